@@ -1,0 +1,48 @@
+"""The command `lenstrace`."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+
+from lenstrace import __version__
+from lenstrace.cli import draw, report, spots, trace
+from lenstrace.errors import LensTraceError
+
+USAGE_ERROR = 2
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a command; 0, or 2 after one line on standard error that says what is wrong."""
+    parser = argparse.ArgumentParser(
+        prog="lenstrace", description="Trace lenses: first-order figures, spots, single rays, drawings."
+    )
+    parser.add_argument("--version", action="version", version=f"lenstrace {__version__}")
+    commands = parser.add_subparsers(metavar="COMMAND", required=True)
+    for command in (report, spots, trace, draw):
+        command.add_parser(commands)
+    parsed = parser.parse_args([_as_value(each) for each in (sys.argv[1:] if arguments is None else arguments)])
+    try:
+        parsed.run(parsed)
+    except LensTraceError as error:
+        print(f"lenstrace: {error}", file=sys.stderr)
+        return USAGE_ERROR
+    except BrokenPipeError:
+        sys.stderr.close()
+    except KeyboardInterrupt:
+        print("lenstrace: interrupted", file=sys.stderr)
+        return 130
+    return 0
+
+
+def _as_value(argument: str) -> str:
+    """A negative number as argparse takes it: -1e-5 looks like an option to it, a word with a space does not."""
+    try:
+        return f" {argument}" if float(argument) < 0 else argument
+    except ValueError:
+        return argument
+
+
+if __name__ == "__main__":
+    sys.exit(main())

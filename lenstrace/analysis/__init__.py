@@ -1,0 +1,1 @@
+"""Questions asked of a lens, each with a result dataclass."""

@@ -1,0 +1,64 @@
+"""What a question needs of a lens, asked before it is traced: a pupil to aim at, an image to look at."""
+
+from __future__ import annotations
+
+import jax
+import jax.numpy as jnp
+
+from lenstrace.errors import ImageError, PrescriptionError
+from lenstrace.pytree import is_traced
+from lenstrace.sequential import paraxial
+from lenstrace.sequential.lens import Lens
+from lenstrace.sequential.system import System
+
+
+def require_pupil(lens: Lens) -> None:
+    """ImageError or PrescriptionError where rays cannot be launched, because the entrance pupil is not to be had.
+
+    A lens whose numbers JAX is tracing has passed this before.
+    """
+    found = _known(lens)
+    if found is None:
+        return
+    powerless, far, _ = found
+    if lens.aperture.kind == "image_f_number" and powerless:
+        raise ImageError(
+            "aperture: image_f_number needs a focal length, and this lens is afocal (power 0); "
+            "give entrance_pupil_diameter"
+        )
+    if far and (lens.aperture.kind != "object_na" or lens.object_distance is None):
+        raise PrescriptionError(
+            f"aperture: the entrance pupil is at infinity (the stop, surface {lens.stop}, stands in the focal plane "
+            f"of what is before it), so {lens.aperture.kind} says nothing; give object_na and a finite object_distance"
+        )
+
+
+def require_image(lens: Lens, question: str) -> None:
+    """ImageError where the image of the lens is at infinity; `question` begins the message."""
+    require_pupil(lens)
+    found = _known(lens)
+    if found is not None and found[2]:
+        why = (
+            "this lens is afocal (power 0)"
+            if lens.object_distance is None
+            else "its object is in the front focal plane"
+        )
+        raise ImageError(
+            f"{question} needs an image at a finite distance, and the image is at infinity: {why}; "
+            "add a focusing lens behind it"
+        )
+
+
+def _known(lens: Lens) -> tuple[bool, bool, bool] | None:
+    if is_traced(lens):
+        return None
+    powerless, far, image_far = (bool(flag) for flag in _flags(lens.system))
+    return powerless, far, image_far
+
+
+@jax.jit
+def _flags(system: System) -> tuple[jax.Array, jax.Array, jax.Array]:
+    primary = system.at(system.primary)
+    powerless = paraxial.first_order(primary).power == 0
+    pupil = paraxial.entrance_pupil(primary)
+    return powerless, ~jnp.isfinite(pupil.position), paraxial.image_slope(primary) == 0

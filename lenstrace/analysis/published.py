@@ -1,0 +1,50 @@
+"""What the source of a lens says of it, beside what comes out here."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+
+from lenstrace.analysis.cardinal import first_order, overview
+from lenstrace.analysis.spots import spots
+from lenstrace.sequential.lens import Lens
+
+
+class PublishedFigure(NamedTuple):
+    """A figure at the primary wavelength, lengths in mm. agrees: within the tolerance that the file states;
+    `largest_spot` is an upper bound."""
+
+    name: str
+    published: float
+    computed: float
+    agrees: bool
+
+
+def published_figures(lens: Lens) -> tuple[PublishedFigure, ...]:
+    """Every figure of the [published] section of a lens, in its order; nothing where it has none.
+
+    The errors of `spots` where `largest_spot` is published and there are none.
+    """
+    values = dict(lens.published)
+    tolerance = values.pop("tolerance", 0.0)
+    found = []
+    for name, published in values.items():
+        computed = _computed(lens, name)
+        bound = published if name == "largest_spot" else abs(published) * tolerance
+        distance = computed if name == "largest_spot" else abs(computed - published)
+        found.append(PublishedFigure(name, published, computed, bool(distance <= bound)))
+    return tuple(found)
+
+
+def _computed(lens: Lens, name: str) -> float:
+    match name:
+        case "largest_spot":
+            return float(jnp.max(spots(lens).largest))
+        case "f_number":
+            return float(overview(lens).f_number)
+        case "magnification":
+            magnification = overview(lens).magnification
+            return float("nan") if magnification is None else float(magnification)
+        case _:
+            return float(getattr(first_order(lens), name)[lens.wavelengths.primary])

@@ -1,0 +1,149 @@
+"""`lenstrace spots DESIGN`: spot sizes per field and wavelength."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+import numpy as np
+
+from lenstrace.analysis.spots import Spots, loss_text, spots
+from lenstrace.cli.output import add_common, number_text, print_json, print_table
+from lenstrace.io.native import load
+from lenstrace.plotting.files import save_figure
+from lenstrace.plotting.spots import spots_figure
+from lenstrace.sequential.lens import Lens
+from lenstrace.sequential.sampling import PATTERNS
+
+
+def add_parser(commands: Any) -> None:
+    """Register the command."""
+    parser = commands.add_parser("spots", help="spot sizes per field and wavelength")
+    add_common(parser)
+    parser.add_argument(
+        "--rings",
+        type=int,
+        default=6,
+        help="rings of the hexapolar pattern, or the density of the others (6)",
+    )
+    parser.add_argument("--pattern", choices=PATTERNS, default="hexapolar", help="how the pupil is sampled (hexapolar)")
+    parser.add_argument("--plot", metavar="FILE", help="write the spot diagram (png, pdf or svg)")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Print the spots of a design."""
+    lens = load(arguments.design)
+    result = spots(lens, pattern=arguments.pattern, rings=arguments.rings)
+    if arguments.plot:
+        save_figure(spots_figure(result, lens), arguments.plot)
+    if arguments.json:
+        print_json(spots_keys(lens, result))
+        return
+    title = f"{lens.name or arguments.design}: {arguments.pattern} pattern, {result.rays} rays for each spot"
+    print_table(title, *_rows(lens, result))
+    print_table("All wavelengths pooled by weight", *polychromatic_rows(lens, result))
+    for place, text in _losses(lens, result):
+        print(f"lost, {place}: {text}")
+    if arguments.plot:
+        print(f"wrote {arguments.plot}")
+
+
+def spots_keys(lens: Lens, result: Spots) -> dict[str, Any]:
+    """The object that --json prints."""
+    single = [
+        {
+            "field": [lens.fields.x[f], lens.fields.y[f]],
+            "wavelength_um": um,
+            "rays": result.rays,
+            "lost": result.lost[f, w],
+            "losses": [
+                {"surface": surface, "status": status.name, "count": count}
+                for (surface, status), count in result.losses(f, w).items()
+            ],
+            "centroid": [result.centroid_x[f, w], result.centroid_y[f, w]],
+            "chief": [result.chief_x[f, w], result.chief_y[f, w]],
+            "rms_centroid": result.rms_centroid[f, w],
+            "rms_chief": result.rms_chief[f, w],
+            "largest": result.largest[f, w],
+        }
+        for f in range(len(lens.fields.y))
+        for w, um in enumerate(lens.wavelengths.um)
+    ]
+    together = [
+        {
+            "field": [lens.fields.x[f], lens.fields.y[f]],
+            "rms_centroid": result.polychromatic.rms_centroid[f],
+            "rms_primary_chief": result.polychromatic.rms_primary_chief[f],
+        }
+        for f in range(len(lens.fields.y))
+    ]
+    return {"spots": single, "polychromatic": together}
+
+
+def polychromatic_rows(lens: Lens, result: Spots) -> tuple[list[str], list[list[str]]]:
+    """Columns and rows of the table of all wavelengths together, one row a field."""
+    columns = [
+        f"field, {lens.fields.unit}",
+        "rays",
+        "lost",
+        "RMS about centroid, mm",
+        "RMS about primary chief ray, mm",
+    ]
+    waves = len(lens.wavelengths.um)
+    rows = [
+        [
+            field_text(lens, f),
+            str(result.rays * waves),
+            str(int(np.asarray(result.lost)[f].sum())),
+            number_text(result.polychromatic.rms_centroid[f], 9),
+            number_text(result.polychromatic.rms_primary_chief[f], 9),
+        ]
+        for f in range(len(lens.fields.y))
+    ]
+    return columns, rows
+
+
+def field_text(lens: Lens, field: int) -> str:
+    """A field as a person writes it: y, or (x, y)."""
+    x, y = float(lens.fields.x[field]), float(lens.fields.y[field])
+    return f"{y:g}" if not any(map(float, lens.fields.x)) else f"({x:g}, {y:g})"
+
+
+def _rows(lens: Lens, result: Spots) -> tuple[list[str], list[list[str]]]:
+    columns = [
+        f"field, {lens.fields.unit}",
+        "um",
+        "rays",
+        "lost",
+        "centroid x, mm",
+        "centroid y, mm",
+        "chief x, mm",
+    ]
+    columns += ["chief y, mm", "RMS about centroid, mm", "RMS about chief, mm", "largest, mm"]
+    figures = ("centroid_x", "centroid_y", "chief_x", "chief_y", "rms_centroid", "rms_chief", "largest")
+    arrays = [np.asarray(getattr(result, name)) for name in figures]
+    # a centroid that is 0 but for rounding is 0 to a reader
+    floor = 1e-12 * max(1.0, float(np.abs(np.asarray(result.centroid_y)).max()))
+    rows = [
+        [
+            field_text(lens, f),
+            f"{um:g}",
+            str(result.rays),
+            str(int(result.lost[f, w])),
+            *(number_text(0.0 if abs(array[f, w]) < floor else array[f, w], 9) for array in arrays),
+        ]
+        for f in range(len(lens.fields.y))
+        for w, um in enumerate(lens.wavelengths.um)
+    ]
+    return columns, rows
+
+
+def _losses(lens: Lens, result: Spots) -> list[tuple[str, str]]:
+    """Where rays were lost: place and words."""
+    return [
+        (f"field {field_text(lens, f)} {lens.fields.unit}, {um:g} um", loss_text(result.losses(f, w)))
+        for f in range(len(lens.fields.y))
+        for w, um in enumerate(lens.wavelengths.um)
+        if int(result.lost[f, w])
+    ]

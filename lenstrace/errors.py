@@ -1,0 +1,45 @@
+"""Exceptions: every mistake in a design has a class, and its message says where, what, got, what to do.
+
+    LensTraceError (a ValueError)
+    |- PrescriptionError     a file or a row that cannot be built: unknown key, missing stop, radius 0
+    |- MediumError           anything about refractive indices
+    |  |- UnknownGlassError    no such name in the catalogues, or no such catalogue
+    |  `- WavelengthError      a wavelength outside the range a medium is known for
+    |- RayError              rays that cannot be launched: an un-normalized direction, a pupil outside 1
+    |- LostRaysError         a question whose rays all fail
+    `- ImageError            a question that needs an image, where the image is at infinity
+
+A ray that fails inside a trace is data (`RayStatus`), never an exception.
+"""
+
+
+class LensTraceError(ValueError):
+    """Base of all errors that lenstrace raises on purpose."""
+
+
+class PrescriptionError(LensTraceError):
+    """A prescription that cannot be built."""
+
+
+class MediumError(LensTraceError):
+    """A refractive index that cannot be given."""
+
+
+class UnknownGlassError(MediumError):
+    """A glass name or a catalogue that does not exist."""
+
+
+class WavelengthError(MediumError):
+    """A wavelength outside the range a medium is known for."""
+
+
+class RayError(LensTraceError):
+    """Rays that cannot be launched."""
+
+
+class LostRaysError(LensTraceError):
+    """A question whose rays all fail."""
+
+
+class ImageError(LensTraceError):
+    """A question that needs an image where there is none, because it is at infinity."""

@@ -1,0 +1,71 @@
+"""The one law of interaction: tangential optical momentum is conserved.
+
+With the normal N (any length, N2 = |N|^2), E = |N.d1|, s = sign(N.d1), mu = n1 / n2, kappa = 1 - mu^2:
+
+    p = n1 (d1 - (d1.N) N / N2),      d2 = p / n2 + s sqrt(1 - |p / n2|^2) N / sqrt(N2)
+
+which is d2 = mu d1 + g N with
+
+    N2 g = s (sqrt((mu E)^2 + kappa N2) - mu E).
+
+For mu > 0 the difference is cancelled analytically, g = s kappa / (mu E + sqrt(...)); for mu < 0 (one of the
+media has a negative index) nothing cancels: the ray goes on forward and its tangential part flips. For a
+mirror s flips and n2 = n1, so that g = -2 s E / N2. Total internal reflection is a negative root.
+
+Source: Spencer & Murty, JOSA 52, 672 (1962), Eqs. (13)-(24), in another algebra; Veselago, Sov. Phys. Usp.
+10, 509 (1968) for n < 0.
+"""
+
+from __future__ import annotations
+
+import jax
+import jax.numpy as jnp
+
+from lenstrace.optics.vectors import Vector, safe_sqrt
+
+
+def refract(
+    direction: Vector,
+    normal: Vector,
+    normal_squared: jax.Array | float,
+    cosine: jax.Array,
+    side: jax.Array,
+    index_before: jax.Array,
+    index_after: jax.Array,
+    either_sign: bool = False,
+) -> tuple[Vector, jax.Array]:
+    """Direction after a refracting surface, and where there is one.
+
+    direction:      unit vector d1.        normal: N, any length.        normal_squared: |N|^2.
+    cosine:         E = |N.d1| >= 0.       side: s = sign(N.d1), +1 or -1.
+    index_before, index_after:  n1, n2 relative to air; both positive or both negative, unless `either_sign`.
+    Returns d2 (d1 where totally reflected) and a mask, False at total internal reflection.
+    """
+    mu = index_before / index_after
+    # (n2 - n1)(n2 + n1) loses nothing when the indices are nearly equal, 1 - mu^2 would
+    kappa = (index_after - index_before) * (index_after + index_before) / (index_after * index_after)
+    inside = mu * mu * cosine * cosine + kappa * normal_squared
+    transmitted = inside > 0
+    root = safe_sqrt(inside)
+    if either_sign:
+        positive = mu > 0
+        near = kappa / jnp.where(positive, mu * cosine + root, 1.0)
+        along = jnp.where(positive, near, (root - mu * cosine) / normal_squared)
+    else:
+        along = kappa / (mu * cosine + root)
+    return _bent(direction, normal, mu, side * along, transmitted), transmitted
+
+
+def reflect(
+    direction: Vector, normal: Vector, normal_squared: jax.Array | float, cosine: jax.Array, side: jax.Array
+) -> Vector:
+    """Direction after a mirror; arguments as in `refract`."""
+    along = -2 * side * cosine / normal_squared
+    x, y, z = (d + along * component for d, component in zip(direction, normal, strict=True))
+    return x, y, z
+
+
+def _bent(direction: Vector, normal: Vector, mu: jax.Array, along: jax.Array, keep: jax.Array) -> Vector:
+    """mu d + along N where `keep`, else d."""
+    x, y, z = (jnp.where(keep, mu * d + along * n, d) for d, n in zip(direction, normal, strict=True))
+    return x, y, z

@@ -1,0 +1,121 @@
+"""The conic with a power series in r added; even and odd powers."""
+
+from __future__ import annotations
+
+import jax
+import jax.numpy as jnp
+from jax import lax
+
+from lenstrace.optics.rays import RayStatus
+from lenstrace.optics.shapes.conic import Conic
+from lenstrace.optics.shapes.crossing import Crossing
+from lenstrace.optics.vectors import Vector, safe_divide, safe_sqrt
+from lenstrace.pytree import pytree, static
+
+NEWTON_STEPS = 10
+# The last step must be below this many units in the last place of the numbers involved.
+NEWTON_TOLERANCE = 64.0
+
+
+@pytree
+class Asphere:
+    """z = c r^2 / (1 + sqrt(1 - (1 + k) c^2 r^2)) + sum over p of a_p r^p.
+
+    curvature:     c = 1 / R, 1/mm.          conic: k.
+    coefficients:  (T,), a_p in mm^(1 - p).  powers: T ascending positive integers p, static.
+    """
+
+    curvature: jax.Array
+    conic: jax.Array
+    coefficients: jax.Array
+    powers: tuple[int, ...] = static()
+
+    def sag(self, x: jax.Array, y: jax.Array) -> jax.Array:
+        """Height above the vertex plane, mm; nan beyond the rim of the conic. x, y: mm, one shape."""
+        return Conic(self.curvature, self.conic).sag(x, y) + self._departure(x * x + y * y)
+
+    def slopes(self, x: jax.Array, y: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
+        """Sag (mm), and its slope divided by r (1/mm), finite everywhere; and whether r is inside the rim."""
+        r2 = x * x + y * y
+        inside = 1 - (1 + self.conic) * self.curvature**2 * r2
+        root = safe_sqrt(inside)
+        sag = self.curvature * r2 / (1 + root) + self._departure(r2)
+        return sag, self.curvature / root + self._departure_slope(r2), inside > 0
+
+    def normal(self, x: jax.Array, y: jax.Array) -> Vector:
+        """(-dz/dx, -dz/dy, 1), not normalized."""
+        _, slope, _ = self.slopes(x, y)
+        return -x * slope, -y * slope, jnp.ones_like(x)
+
+    def crossing(self, point: Vector, direction: Vector, side: jax.Array) -> Crossing:
+        """The crossing with the sheet through the vertex; arguments as for `Conic.crossing`.
+
+        Newton's method on z + t n - sag(x + t l, y + t m), a fixed number of steps from the conic's crossing or
+        from the point given, whichever is nearer the surface. The derivative is that of the implicit function,
+        to every order, and does not pass through the iteration.
+        """
+        (x, y, z), (l, m, n) = point, direction
+
+        def residual(t: jax.Array) -> jax.Array:
+            return z + t * n - self.slopes(x + t * l, y + t * m)[0]
+
+        def step(t: jax.Array) -> jax.Array:
+            px, py = x + t * l, y + t * m
+            sag, slope, _ = self.slopes(px, py)
+            return safe_divide(z + t * n - sag, n - slope * (px * l + py * m))
+
+        start = Conic(self.curvature, self.conic).crossing(point, direction, side)
+        use_conic = (start.status == 0) & (jnp.abs(residual(start.distance)) < jnp.abs(residual(jnp.zeros_like(x))))
+        first = jnp.where(use_conic, start.distance, 0.0)
+
+        def solve(_: object, guess: jax.Array) -> jax.Array:
+            return lax.fori_loop(0, NEWTON_STEPS, lambda _, t: t - step(t), guess)
+
+        t = lax.custom_root(residual, lax.stop_gradient(first), solve, _elementwise_solve)
+        scale = jnp.abs(t) + jnp.abs(x) + jnp.abs(y) + jnp.abs(z)
+        converged = jnp.abs(step(t)) <= NEWTON_TOLERANCE * jnp.finfo(t.dtype).eps * scale
+        x, y, z = x + t * l, y + t * m, z + t * n
+        _, slope, inside = self.slopes(x, y)
+        normal = (-x * slope, -y * slope, jnp.ones_like(x))
+        normal_squared = normal[0] ** 2 + normal[1] ** 2 + 1
+        cosine = side * (normal[0] * l + normal[1] * m + n)
+        status = jnp.where(
+            converged,
+            jnp.where(inside & (cosine > 0), 0, int(RayStatus.MISSED)),
+            jnp.where(inside, int(RayStatus.NOT_CONVERGED), int(RayStatus.MISSED)),
+        )
+        return Crossing(t, (x, y, z), normal, normal_squared, jnp.abs(cosine), status)
+
+    def _departure(self, r2: jax.Array) -> jax.Array:
+        """sum a_p r^p."""
+        return self._series([self.coefficients[i] for i in range(len(self.powers))], self.powers, r2)
+
+    def _departure_slope(self, r2: jax.Array) -> jax.Array:
+        """(1 / r) d/dr of the series: sum p a_p r^(p - 2)."""
+        terms = [p * self.coefficients[i] for i, p in enumerate(self.powers)]
+        return self._series(terms, tuple(p - 2 for p in self.powers), r2)
+
+    @staticmethod
+    def _series(terms: list[jax.Array], powers: tuple[int, ...], r2: jax.Array) -> jax.Array:
+        """sum of terms[i] r^powers[i], by Horner's rule in r^2, or in r where a power is odd."""
+        total = jnp.zeros_like(r2)
+        for i in reversed(range(len(powers))):
+            total = terms[i] + total
+            total = total * _power(r2, powers[i] - (powers[i - 1] if i else 0))
+        return total
+
+
+def _power(r2: jax.Array, power: int) -> jax.Array | float:
+    """r^power for a static integer; r^-1 is 0 at the vertex, where a cone has no slope."""
+    if power == 0:
+        return 1.0
+    if power == -1:
+        return safe_divide(jnp.where(r2 > 0, 1.0, 0.0).astype(r2.dtype), safe_sqrt(r2))
+    if power % 2 == 0:
+        return r2 ** (power // 2)
+    return jnp.where(r2 > 0, safe_sqrt(r2), 0.0) * (r2 ** (power // 2) if power > 1 else 1.0)
+
+
+def _elementwise_solve(linear: object, value: jax.Array) -> jax.Array:
+    """Solve g(t) = value for a linear g that acts on every ray by itself."""
+    return safe_divide(value, linear(jnp.ones_like(value)))  # type: ignore[operator]

@@ -1,0 +1,36 @@
+"""Pictures as files: the format follows from the suffix, and a file appears whole or not at all."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from lenstrace.errors import LensTraceError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+FORMATS = ("png", "pdf", "svg")
+# Dots per inch of a png.
+RESOLUTION = 150
+
+
+def save_figure(figure: Figure, path: str | os.PathLike[str]) -> None:
+    """Write a figure as png, pdf or svg.
+
+    LensTraceError for another suffix, or where the file cannot be written; nothing is left behind then.
+    """
+    target = Path(path)
+    kind = target.suffix.lower().removeprefix(".")
+    if kind not in FORMATS:
+        got = f"got {target.suffix!r}" if kind else "got none"
+        raise LensTraceError(f"{path}: the suffix must be one of {', '.join(FORMATS)}, {got}")
+    partial = target.with_name(f".{target.name}.partial")
+    try:
+        figure.savefig(partial, format=kind, dpi=RESOLUTION)
+        partial.replace(target)
+    except OSError as error:
+        raise LensTraceError(f"{path}: cannot be written: {error.strerror}") from None
+    finally:
+        partial.unlink(missing_ok=True)

@@ -1,0 +1,1 @@
+"""Ordered surfaces: the prescription, its numbers, tracing, launching, paraxial optics."""

@@ -1,0 +1,195 @@
+"""From a field and a point of the pupil to a ray in front of the first surface."""
+
+from __future__ import annotations
+
+import jax
+import jax.numpy as jnp
+
+from lenstrace.optics.rays import Ray, RayStatus, failure_code, living
+from lenstrace.optics.vectors import Vector, dot, normalize
+from lenstrace.sequential import paraxial
+from lenstrace.sequential.aiming import aim
+from lenstrace.sequential.system import System
+from lenstrace.sequential.trace import trace
+
+# A ray flatter than this against the plane through the first vertex does not start on it, but where it is nearest
+# to the vertex.
+FLAT = 0.01
+
+
+def launch(
+    system: System,
+    field: tuple[jax.Array, jax.Array],
+    pupil: tuple[jax.Array, jax.Array],
+    wavelength: int | jax.Array,
+) -> Ray:
+    """Rays of a field through points of the pupil, on the plane through the first vertex.
+
+    system:      with all its wavelengths; the pupil is that of the primary one.
+    field:       x and y, radians or mm as `system.field_kind` says; any shape that broadcasts with the pupil.
+    pupil:       x and y, in units of the radius of the paraxial entrance pupil, or of the stop if rays are aimed.
+    wavelength:  place in the list of wavelengths.
+
+    A ray nearly parallel to the vertex plane starts at its point nearest to the vertex instead. A ray that cannot be
+    aimed has status NOT_CONVERGED at surface 0.
+    """
+    primary = system.at(system.primary)
+    entrance = paraxial.entrance_pupil(primary)
+    pupil_x, pupil_y = pupil
+    fx, fy, px, py = jnp.broadcast_arrays(*field, pupil_x, pupil_y)
+    if not system.ray_aiming:
+        return _through(system, primary, entrance, (fx, fy), (px, py))
+
+    here = system.at(wavelength)
+    radius = _aimed_radius(system, primary, entrance)
+
+    def at_stop(shift: tuple[jax.Array, jax.Array], share: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
+        ray = _shifted(system, primary, entrance, (share * fx, share * fy), shift)
+        stop = trace(here, ray, last=system.stop)
+        return stop.x / radius - share * px, stop.y / radius - share * py, stop.has_course
+
+    def guess(share: jax.Array) -> tuple[jax.Array, jax.Array]:
+        ray = _through(system, primary, entrance, (share * fx, share * fy), (share * px, share * py))
+        return _shift_of(system, primary, entrance, (share * fx, share * fy), ray)
+
+    shift, aimed = aim(at_stop, guess, fx)
+    ray = _shifted(system, primary, entrance, (fx, fy), shift)
+    lost = failure_code(0, RayStatus.NOT_CONVERGED)
+    return Ray(ray.x, ray.y, ray.z, ray.l, ray.m, ray.n, jnp.where(aimed, ray.failure, lost).astype(jnp.int32))
+
+
+def object_point(
+    system: System, primary: System, entrance: paraxial.Pupil, field: tuple[jax.Array, jax.Array]
+) -> Vector:
+    """The object point of a field, mm from the first vertex; the system has its object at a finite distance."""
+    assert system.object_distance is not None
+    fx, fy = field
+    distance = jnp.asarray(system.object_distance)
+    match system.field_kind:
+        case "angle":
+            scale = -(distance + jnp.where(jnp.isfinite(entrance.position), entrance.position, 0.0))
+            x, y = scale * jnp.tan(fx), scale * jnp.tan(fy)
+        case "image_height":
+            m = paraxial.magnification(primary)
+            x, y = fx / m, fy / m
+        case _:
+            x, y = fx, fy
+    return x, y, jnp.broadcast_to(-distance, x.shape)
+
+
+def field_direction(system: System, primary: System, field: tuple[jax.Array, jax.Array]) -> Vector:
+    """Direction of the light of a field at infinity: along (tan ax, tan ay, 1); for a field in one plane
+    (0, sin a, cos a), also at 90 degrees and beyond."""
+    fx, fy = field
+    if system.field_kind == "image_height":
+        f = paraxial.first_order(primary).object_focal_length
+        return normalize((-fx / f, -fy / f, jnp.ones_like(fx)))
+    # (tan ax, tan ay, 1) times cos ax cos ay, which is finite and has the right sense at and beyond 90 degrees
+    cx, cy = jnp.cos(fx), jnp.cos(fy)
+    return normalize((jnp.sin(fx) * cy, jnp.sin(fy) * cx, cx * cy))
+
+
+def _through(
+    system: System,
+    primary: System,
+    entrance: paraxial.Pupil,
+    field: tuple[jax.Array, jax.Array],
+    pupil: tuple[jax.Array, jax.Array],
+) -> Ray:
+    """Rays through points of the paraxial entrance pupil, given in units of its radius."""
+    px, py = pupil
+    far = ~jnp.isfinite(entrance.position)
+    radius = jnp.where(far, 0.0, entrance.diameter / 2)
+    position = jnp.broadcast_to(jnp.where(far, 0.0, entrance.position), px.shape)
+    target = (px * radius, py * radius, position)
+    if system.object_distance is None:
+        return _ray(target, field_direction(system, primary, field))
+    start = object_point(system, primary, entrance, field)
+    towards = _forward(normalize(_minus(target, start)))
+    if system.aperture_kind != "object_na":
+        return _ray(target, towards)
+    slope = paraxial.marginal_slope(primary)
+    parallel = normalize((px * slope, py * slope, jnp.ones_like(px)))
+    direction = _choose(far, parallel, towards)
+    return _ray(_choose(far, start, target), direction)
+
+
+def _shifted(
+    system: System,
+    primary: System,
+    entrance: paraxial.Pupil,
+    field: tuple[jax.Array, jax.Array],
+    shift: tuple[jax.Array, jax.Array],
+) -> Ray:
+    """Rays through a point of the plane that stands at the first vertex, normal to the line from the object to it."""
+    if system.object_distance is None:
+        direction = field_direction(system, primary, field)
+        return _ray(_in_plane(direction, shift), direction)
+    start = object_point(system, primary, entrance, field)
+    point = _in_plane(normalize((-start[0], -start[1], -start[2])), shift)
+    return _ray(point, normalize(_minus(point, start)))
+
+
+def _shift_of(
+    system: System, primary: System, entrance: paraxial.Pupil, field: tuple[jax.Array, jax.Array], ray: Ray
+) -> tuple[jax.Array, jax.Array]:
+    """The shift that gives `_shifted` this ray of the field."""
+    if system.object_distance is None:
+        axis = field_direction(system, primary, field)
+    else:
+        x, y, z = object_point(system, primary, entrance, field)
+        axis = normalize((-x, -y, -z))
+    direction, point = (ray.l, ray.m, ray.n), (ray.x, ray.y, ray.z)
+    t = -dot(point, axis) / dot(direction, axis)
+    x, y, z = (p + t * d for p, d in zip(point, direction, strict=True))
+    first, second = _plane_axes(axis)
+    return dot(first, (x, y, z)), dot(second, (x, y, z))
+
+
+def _aimed_radius(system: System, primary: System, entrance: paraxial.Pupil) -> jax.Array:
+    """The radius of the stop that pupil coordinate 1 means, mm: given, or the height there of the real ray
+    of the axial point that enters at the top of the pupil, at the primary wavelength."""
+    if system.aperture_kind == "stop_semi_diameter":
+        return paraxial.stop_radius(primary)
+    zero, one = jnp.zeros_like(entrance.position), jnp.ones_like(entrance.position)
+    ray = _through(system, primary, entrance, (zero, zero), (zero, one))
+    return trace(primary, ray, last=system.stop).y
+
+
+def _ray(point: Vector, direction: Vector) -> Ray:
+    """A ray through a point, slid to the first vertex plane; if it is too flat or runs away from it, to where it is
+    nearest the vertex."""
+    n = direction[2]
+    steep = n > FLAT
+    t = jnp.where(steep, -point[2] / jnp.where(steep, n, 1.0), -dot(point, direction))
+    x, y, z = (p + t * d for p, d in zip(point, direction, strict=True))
+    return living(x, y, jnp.where(steep, 0.0, z), *direction)
+
+
+def _in_plane(axis: Vector, shift: tuple[jax.Array, jax.Array]) -> Vector:
+    """The point at `shift` in the plane through the first vertex normal to `axis`."""
+    first, second = _plane_axes(axis)
+    x, y, z = (shift[0] * a + shift[1] * b for a, b in zip(first, second, strict=True))
+    return x, y, z
+
+
+def _plane_axes(axis: Vector) -> tuple[Vector, Vector]:
+    """x and y turned by the shortest rotation that takes z into `axis`; not for axis = -z."""
+    l, m, n = axis
+    mixed = -l * m / (1 + n)
+    return (1 - l * l / (1 + n), mixed, -l), (mixed, 1 - m * m / (1 + n), -m)
+
+
+def _minus(a: Vector, b: Vector) -> Vector:
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+def _forward(a: Vector) -> Vector:
+    """The same line, run toward +z: light from an object leaves it forward, wherever the pupil lies."""
+    sign = jnp.where(a[2] < 0, -1.0, 1.0).astype(a[2].dtype)
+    return sign * a[0], sign * a[1], sign * a[2]
+
+
+def _choose(condition: jax.Array, a: Vector, b: Vector) -> Vector:
+    x, y, z = (jnp.where(condition, p, q) for p, q in zip(a, b, strict=True))
+    return x, y, z

@@ -1,0 +1,246 @@
+"""Paraxial optics: the y-nu trace, cardinal points, pupils, conjugates.
+
+A paraxial ray is its height y (mm) and its reduced slope w = N u, where u = dy/dz is the geometric slope and
+N = sigma n the index, negative where light travels toward -z. A surface with curvature c does w -= phi y,
+phi = c (N2 - N1); a gap t does y += t w / N. Tilts and decentres do not count. An r^2 asphere term a adds 2 a
+to the curvature.
+
+Source: Welford, Aberrations of Optical Systems (1986), chapter 3; Born & Wolf, section 4.4.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from lenstrace.optics.vectors import safe_divide
+from lenstrace.pytree import pytree
+from lenstrace.sequential.system import System
+
+# Power below this many units in the last place of the sum of its parts is none: the lens is afocal.
+AFOCAL = 16.0
+
+
+class Matrix(NamedTuple):
+    """y2 = a y1 + b w1, w2 = c y1 + d w1, with a d - b c = 1; b in mm, c in 1/mm. `noise` bounds the
+    rounding of c, 1/mm."""
+
+    a: jax.Array
+    b: jax.Array
+    c: jax.Array
+    d: jax.Array
+    noise: jax.Array
+
+
+@pytree
+class FirstOrder:
+    """First-order figures at one wavelength (or arrays over several); lengths in mm, signed along +z.
+
+    Rear points are measured from the last vertex that bends light, front points from the first vertex. In an
+    afocal lens power is 0 and what lies at infinity is inf.
+    """
+
+    power: jax.Array
+    focal_length: jax.Array
+    object_focal_length: jax.Array
+    rear_focal_point: jax.Array
+    front_focal_point: jax.Array
+    rear_principal_plane: jax.Array
+    front_principal_plane: jax.Array
+    rear_nodal_point: jax.Array
+    front_nodal_point: jax.Array
+
+    @property
+    def back_focal_length(self) -> jax.Array:
+        """From the last vertex that bends light to F', mm."""
+        return self.rear_focal_point
+
+    @property
+    def front_focal_length(self) -> jax.Array:
+        """From the first vertex to F, mm."""
+        return self.front_focal_point
+
+
+@pytree
+class Pupil:
+    """A pupil on the axis. position: mm, signed, from the vertex its function names. diameter: mm.
+
+    magnification: pupil radius / stop radius, signed. At infinity position and diameter are inf.
+    """
+
+    position: jax.Array
+    diameter: jax.Array
+    magnification: jax.Array
+
+
+def signed_index(system: System) -> jax.Array:
+    """N = sigma n of the object space and after each surface, (S + 1,); the system at one wavelength."""
+    return jnp.asarray(np.array(system.orientation, system.curvature.dtype)) * system.index
+
+
+def matrix(system: System, first: int, last: int, *, bend_last: bool = True) -> Matrix:
+    """From in front of surface `first` to behind surface `last`, or to its plane before it bends.
+
+    Surfaces are numbered from 1; the system is at one wavelength. `last` < `first` gives the unit matrix.
+    """
+    dtype = system.curvature.dtype
+    zero, one = jnp.zeros((), dtype), jnp.ones((), dtype)
+    unit = Matrix(one, zero, zero, one, zero)
+    if last < first:
+        return unit
+    index = signed_index(system)
+    rows = slice(first - 1, last)
+    power = (effective_curvature(system)[:-1] * (index[1:] - index[:-1]))[rows]
+    if not bend_last:
+        power = power.at[-1].set(0)
+    gap = jnp.append(zero, (system.thickness[:-1] / index[1:-1])[first - 1 : last - 1])
+
+    def through(so_far: Matrix, surface: tuple[jax.Array, jax.Array]) -> tuple[Matrix, None]:
+        phi, distance = surface
+        a, b, c, d, noise = so_far
+        a, b = a + distance * c, b + distance * d
+        return Matrix(a, b, c - phi * a, d - phi * b, noise + jnp.abs(phi * a)), None
+
+    whole, _ = jax.lax.scan(through, unit, (power, gap))
+    return whole
+
+
+def effective_curvature(system: System) -> jax.Array:
+    """Curvature at the vertex, asphere r^2 terms included, (K,), 1/mm."""
+    quadratic = [
+        2 * system.coefficients[i, kind.powers.index(2)] if 2 in kind.powers else 0.0
+        for i, kind in enumerate(system.kinds)
+    ]
+    if not any(2 in kind.powers for kind in system.kinds):
+        return jnp.asarray(system.curvature)
+    return system.curvature + jnp.stack([jnp.asarray(q, system.curvature.dtype) for q in quadratic])
+
+
+def first_order(system: System) -> FirstOrder:
+    """Cardinal points of a system at one wavelength.
+
+    With [a b; c d] from the first vertex to the last that bends and N, N' the signed indices outside:
+    phi = -c, f' = N'/phi, f = -N/phi, F = N d / c, F' = -N' a / c, H = F - f, H' = F' - f', nodal points
+    F + f' and F' + f.
+    """
+    m = matrix(system, 1, system.last_bend)
+    index = signed_index(system)
+    before, after = index[0], index[-1]
+    afocal = is_afocal(m)
+    c = jnp.where(afocal, m.c - jax.lax.stop_gradient(m.c), m.c)
+    inverse = 1 / jnp.where(afocal, 1.0, m.c)
+
+    def at(numerator: jax.Array) -> jax.Array:
+        """numerator / c, inf in an afocal lens whatever the sign, also where the numerator is 0."""
+        return jnp.where(afocal, jnp.inf, numerator * inverse)
+
+    f_rear, f_front = at(-after), at(before)
+    rear, front = at(-after * m.a), at(before * m.d)
+    return FirstOrder(
+        power=0.0 - c,
+        focal_length=f_rear,
+        object_focal_length=f_front,
+        rear_focal_point=rear,
+        front_focal_point=front,
+        rear_principal_plane=at(after * (1 - m.a)),
+        front_principal_plane=at(before * (m.d - 1)),
+        rear_nodal_point=at(before - after * m.a),
+        front_nodal_point=at(before * m.d - after),
+    )
+
+
+def is_afocal(m: Matrix) -> jax.Array:
+    """True where the power of a matrix is rounding only."""
+    return jnp.abs(m.c) <= AFOCAL * jnp.finfo(m.c.dtype).eps * m.noise
+
+
+def entrance_pupil(system: System) -> Pupil:
+    """The stop seen from the object, from the first vertex; the system at one wavelength.
+
+    The diameter follows from what the aperture of the lens says: see `stop_radius`.
+    """
+    m = matrix(system, 1, system.stop, bend_last=False)
+    far = jnp.abs(m.a) <= AFOCAL * jnp.finfo(m.a.dtype).eps * (1 + jnp.abs(m.b * m.c))
+    a = jnp.where(far, 1.0, m.a)
+    index = signed_index(system)[0]
+    return Pupil(
+        position=jnp.where(far, jnp.inf, index * m.b / a),
+        diameter=jnp.where(far, jnp.inf, jnp.abs(2 * stop_radius(system) / a)),
+        magnification=jnp.where(far, jnp.inf, 1 / a),
+    )
+
+
+def exit_pupil(system: System) -> Pupil:
+    """The stop seen from the image, from the vertex of the image surface; the system at one wavelength."""
+    m = matrix(system, system.stop, system.surfaces)
+    far = jnp.abs(m.d) <= AFOCAL * jnp.finfo(m.d.dtype).eps * (1 + jnp.abs(m.b * m.c))
+    d = jnp.where(far, 1.0, m.d)
+    index = signed_index(system)[-1]
+    return Pupil(
+        position=jnp.where(far, jnp.inf, -index * m.b / d - system.thickness[-1]),
+        diameter=jnp.where(far, jnp.inf, jnp.abs(2 * stop_radius(system) / d)),
+        magnification=jnp.where(far, jnp.inf, 1 / d),
+    )
+
+
+def stop_radius(system: System) -> jax.Array:
+    """Paraxial radius of the stop, mm, signed: the height there of a ray that enters at the top of the pupil.
+
+    entrance_pupil_diameter: half of it times a of the matrix to the stop.
+    stop_semi_diameter: itself, with the sign of that a.
+    image_f_number: the entrance pupil has the diameter |f'| / number.
+    object_na: n sin(theta) of the marginal ray from the axial object point.
+    """
+    m = matrix(system, 1, system.stop, bend_last=False)
+    size = jnp.asarray(system.stop_size)
+    match system.aperture_kind:
+        case "stop_semi_diameter":
+            return jnp.where(m.a < 0, -size, size)
+        case "image_f_number":
+            return m.a * jnp.abs(first_order(system).focal_length) / size / 2
+        case "object_na":
+            assert system.object_distance is not None
+            slope = marginal_slope(system)
+            return m.a * slope * system.object_distance + m.b * slope * system.index[0]
+        case _:
+            return m.a * size / 2
+
+
+def marginal_slope(system: System) -> jax.Array:
+    """tan(theta) of the marginal ray in the object space for an aperture given as object_na."""
+    sine = system.stop_size / system.index[0]
+    return sine / jnp.sqrt(1 - sine * sine)
+
+
+def magnification(system: System) -> jax.Array:
+    """Paraxial lateral magnification of a finite object, N u / (N' u') of the axial ray; inf if the image is
+    at infinity. The system at one wavelength, its object at a finite distance."""
+    assert system.object_distance is not None
+    return 1 / image_slope(system)
+
+
+def image_slope(system: System) -> jax.Array:
+    """w' behind the last surface of the axial ray that leaves a finite object with w = 1, or of the ray that
+    enters parallel to the axis at y = 1; 0 where the image is at infinity."""
+    m = matrix(system, 1, system.last_bend)
+    if system.object_distance is None:
+        return jnp.where(is_afocal(m), 0.0, m.c)
+    y = system.object_distance / signed_index(system)[0]
+    slope = m.c * y + m.d
+    noise = jnp.finfo(slope.dtype).eps * (jnp.abs(m.c * y) + jnp.abs(m.d))
+    return jnp.where(jnp.abs(slope) <= AFOCAL * noise, 0.0, slope)
+
+
+def image_distance(system: System, object_position: jax.Array) -> jax.Array:
+    """Where the paraxial image of an axial point lies, mm from the last vertex that bends.
+
+    object_position: mm along +z from the first vertex; any shape. The ray is traced from the point itself,
+    not found through the cardinal points.
+    """
+    m = matrix(system, 1, system.last_bend)
+    index = signed_index(system)
+    y, w = -object_position / index[0], 1.0
+    return -safe_divide((m.a * y + m.b * w) * index[-1], m.c * y + m.d * w)

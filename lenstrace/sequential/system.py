@@ -1,0 +1,125 @@
+"""The numbers of a lens, stacked per surface: what is compiled, traced and differentiated."""
+
+from __future__ import annotations
+
+import dataclasses
+import enum
+from typing import Any
+
+import jax
+import numpy as np
+
+from lenstrace.optics.apertures import ApertureKind
+from lenstrace.pytree import pytree, static
+
+
+class Interaction(enum.Enum):
+    """What a surface does to light."""
+
+    REFRACT = "refract"
+    REFRACT_EITHER_SIGN = "refract, where n1 / n2 may be negative"
+    REFLECT = "reflect"
+
+
+class Placement(enum.Enum):
+    """How the frame of a surface stands in the chain of vertices."""
+
+    CENTRED = "centred"
+    POSED = "posed"  # decentre and tilt move this surface alone
+    BREAK = "break"  # decentre and tilt move all that follows
+
+
+@dataclasses.dataclass(frozen=True)
+class Kind:
+    """The structure of one surface: what its compiled program contains. Equal neighbours share a loop.
+
+    powers: powers of r of its asphere terms, empty for a conic.
+    turned: its tilt turns the axis by more than 90 degrees, so that light crosses it the other way.
+    """
+
+    powers: tuple[int, ...] = ()
+    interaction: Interaction = Interaction.REFRACT
+    aperture: ApertureKind = ApertureKind.NONE
+    placement: Placement = Placement.CENTRED
+    turned: bool = False
+
+
+@pytree
+class System:
+    """S surfaces and the image as number S + 1, K = S + 1 in all; W wavelengths; F fields.
+
+    curvature:        (K,), 1/mm.              conic: (K,).
+    coefficients:     (K, T), asphere terms, mm^(1 - p), for the T powers p that the aspheres of the lens have.
+    thickness:        (S,), mm, signed along z, from this vertex to the next.
+    index:            (W, S + 1) relative to air, of the object space and after each surface; (S + 1,) once a
+                      wavelength is chosen with `at`.
+    decenter, tilt:   (K, 2) mm, (K, 3) radians.
+    aperture:         (K, 2), mm, the numbers of each surface's aperture.
+    object_distance:  mm, from the object to the first vertex; None at infinity.
+    stop_size:        what the aperture of the lens says: see `aperture_kind`; mm or a pure number.
+    fields:           (F, 2), radians or mm: see `field_kind`.
+    weights:          (W,) of the wavelengths.
+
+    Static: the kind of every surface, which surfaces bend, the number of the stop (1 ... S), the place of the
+    primary wavelength, what stop_size and fields mean, and whether rays are aimed at the stop.
+    """
+
+    curvature: jax.Array
+    conic: jax.Array
+    coefficients: jax.Array
+    thickness: jax.Array
+    index: jax.Array
+    decenter: jax.Array
+    tilt: jax.Array
+    aperture: jax.Array
+    object_distance: jax.Array | None
+    stop_size: jax.Array
+    fields: jax.Array
+    weights: jax.Array
+    kinds: tuple[Kind, ...] = static()
+    bends: tuple[bool, ...] = static()
+    stop: int = static()
+    primary: int = static()
+    aperture_kind: str = static()
+    field_kind: str = static()
+    ray_aiming: bool = static()
+
+    @property
+    def surfaces(self) -> int:
+        """S, the number of rows without object and image."""
+        return len(self.kinds) - 1
+
+    @property
+    def last_bend(self) -> int:
+        """Number of the last surface that bends light; the last row where none does."""
+        return max((i + 1 for i, bends in enumerate(self.bends) if bends), default=self.surfaces)
+
+    @property
+    def orientation(self) -> tuple[int, ...]:
+        """(S + 1,) of +1 and -1: the direction of light along z in the object space and after each surface."""
+        return self._signs()[0]
+
+    @property
+    def sides(self) -> tuple[int, ...]:
+        """(K,) of +1 and -1: the direction of light along z where it meets each surface, in that surface's frame."""
+        return self._signs()[1]
+
+    def _signs(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
+        gaps, sides = [1], []
+        for kind in self.kinds:
+            sides.append(-gaps[-1] if kind.turned else gaps[-1])
+            follows = sides[-1] if kind.placement is Placement.BREAK else gaps[-1]
+            gaps.append(-follows if kind.interaction is Interaction.REFLECT else follows)
+        return tuple(gaps[:-1]), tuple(sides)
+
+    def at(self, wavelength: int | jax.Array) -> System:
+        """The system at one of its wavelengths, by its place: index becomes (S + 1,)."""
+        return self.replace(index=self.index[wavelength])
+
+    def replace(self, **numbers: Any) -> System:
+        """A copy with some arrays changed; the structure stays."""
+        return dataclasses.replace(self, **numbers)
+
+    def astype(self, dtype: Any) -> System:
+        """The same system in another precision; a trace runs in the precision of these arrays."""
+        return jax.tree.map(lambda a: np.asarray(a, dtype) if isinstance(a, np.ndarray) else a.astype(dtype), self)

@@ -1,0 +1,206 @@
+"""The sequential trace: rays through one surface after the other, in the order of the prescription.
+
+Consecutive surfaces of one kind run in one `lax.scan`, so that the compiled program does not grow with their
+number and contains nothing that none of them needs. Optical path, where asked for, is carried as its excess
+over the axial path, W = sum n t - sum sigma n gap - sigma n z, which loses no digits to the length of the lens:
+
+    gap and crossing:  W += n1 t (l^2 + m^2) / (1 + sigma n),    surface:  W -= (sigma2 n2 - sigma1 n1) z,
+
+sigma = +1 or -1 the sense of the light along z, t the path to the crossing at height z above the vertex plane.
+"""
+
+from __future__ import annotations
+
+import itertools
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import lax
+
+from lenstrace.optics.apertures import ApertureKind, passes
+from lenstrace.optics.frames import Pose
+from lenstrace.optics.interactions import reflect, refract
+from lenstrace.optics.rays import Ray, RayStatus, advance, failure_code
+from lenstrace.optics.shapes.asphere import Asphere
+from lenstrace.optics.shapes.conic import Conic
+from lenstrace.sequential.system import Interaction, Kind, Placement, System
+
+# A ray flatter than this against the vertex plane is not brought to that plane before a crossing but to its
+# point nearest the vertex: the plane may be far away, or nowhere.
+FLAT = 0.25
+# A ray that starts with a direction cosine below this runs backward: it is traced against the light. Between it
+# and 0 lie the fields of a lens that sees more than a half space.
+BACKWARD = -0.5
+
+
+class Record(NamedTuple):
+    """What one surface needs for a trace; a leading axis where several are stacked for a scan."""
+
+    number: Any
+    gap: Any
+    curvature: Any
+    conic: Any
+    coefficients: Any
+    index_before: Any
+    index_after: Any
+    side: Any
+    orientation_before: Any
+    orientation_after: Any
+    aperture: Any
+    decenter: Any
+    tilt: Any
+
+
+def trace(system: System, ray: Ray, *, last: int | None = None, path: bool = False) -> Ray:
+    """Rays through surfaces 1 ... last of a system at one wavelength.
+
+    system:  `index` of shape (S + 1,), see `System.at`.
+    ray:     in the frame of the first vertex, any shape; its optical path is traced if `ray.opl` is not None.
+    last:    number of the surface to stop behind; None is the image.
+    path:    give every surface instead of the last one: a leading axis, 0 the rays as launched, then one a surface.
+
+    Returns the rays in the frame of the surface (position on it, mm; direction after it; optical path from the
+    launch point to it, mm). Failed rays carry the first failure and go on with finite numbers.
+    """
+    last = len(system.kinds) if last is None else last
+    records = _records(system, last)
+    forward = jnp.where(ray.n < BACKWARD, -1, 1).astype(ray.n.dtype)
+    start = ray if ray.opl is None else _replace_opl(ray, ray.opl - forward * system.index[0] * ray.z)
+    state, pieces, first = start, [], 0
+    for kind, run in itertools.groupby(system.kinds[:last]):
+        count = len(list(run))
+        piece = jax.tree.map(lambda a, i=first, j=first + count: a[i:j], records)
+        first += count
+
+        def step(state: Ray, record: Record, kind: Kind = kind) -> tuple[Ray, Ray | None]:
+            after, here = cross(state, record, kind, forward)
+            return after, here if path or kind.placement is Placement.POSED else None
+
+        if count == 1:
+            state, here = step(state, jax.tree.map(lambda a: a[0], piece))
+            here = jax.tree.map(lambda a: a[None], here)
+        else:
+            state, here = lax.scan(step, state, piece)
+        pieces.append(here)
+    if path:
+        whole = jax.tree.map(lambda *parts: jnp.concatenate(parts), *pieces)
+        whole = whole if ray.opl is None else _whole_opl(records, whole, forward)
+        launched = jax.tree.map(lambda a: a[None], ray)
+        return jax.tree.map(lambda a, b: jnp.concatenate([a, b]), launched, whole)
+    final = pieces[-1] if pieces[-1] is not None else jax.tree.map(lambda a: a[None], state)
+    final = jax.tree.map(lambda a: a[-1:], final)
+    final = final if ray.opl is None else _whole_opl(records, final, forward)
+    return jax.tree.map(lambda a: a[0], final)
+
+
+def cross(ray: Ray, record: Record, kind: Kind, forward: jax.Array) -> tuple[Ray, Ray]:
+    """One surface: to it, through its aperture, bent.
+
+    ray: in the frame of the vertex before.     forward: +1, or -1 for rays that run against the light.
+    Returns the ray in the frame that the next surface counts from, and the ray in this surface's own frame;
+    the optical path is the excess W of the module's docstring, in each of the two frames.
+    """
+    side = record.side * forward
+    before, after = record.orientation_before * forward, record.orientation_after * forward
+    z_before = ray.z
+    ray = _replace_z(ray, ray.z - record.gap)
+    pose = Pose(record.decenter, record.tilt)
+    centred = kind.placement is Placement.CENTRED
+    if not centred:
+        ray = _moved(ray, pose.local_point, pose.local_direction)
+
+    steep = jnp.abs(ray.n) > FLAT
+    approach = jnp.where(steep, -ray.z / jnp.where(steep, ray.n, 1.0), -(ray.x * ray.l + ray.y * ray.m + ray.z * ray.n))
+    near = advance(ray, approach)
+    point = (near.x, near.y, jnp.where(steep, 0.0, near.z))
+    direction = (ray.l, ray.m, ray.n)
+    shape = (
+        Asphere(record.curvature, record.conic, record.coefficients, kind.powers)
+        if kind.powers
+        else Conic(record.curvature, record.conic)
+    )
+    crossing = shape.crossing(point, direction, side)
+    x, y, z = crossing.point
+
+    failure = jnp.where(crossing.status > 0, failure_code(record.number, RayStatus.OK) + crossing.status, 0)
+    if kind.aperture is not ApertureKind.NONE:
+        clipped = ~passes(kind.aperture, record.aperture, x, y)
+        failure = jnp.where((failure == 0) & clipped, failure_code(record.number, RayStatus.CLIPPED), failure)
+    geometry = (direction, crossing.normal, crossing.normal_squared, crossing.cosine, side)
+    if kind.interaction is Interaction.REFLECT:
+        l, m, n = reflect(*geometry)
+    else:
+        either_sign = kind.interaction is Interaction.REFRACT_EITHER_SIGN
+        (l, m, n), transmitted = refract(*geometry, record.index_before, record.index_after, either_sign)
+        failure = jnp.where((failure == 0) & ~transmitted, failure_code(record.number, RayStatus.TIR), failure)
+    failure = jnp.where(ray.failure == 0, failure, ray.failure).astype(ray.failure.dtype)
+
+    bent = Ray(x, y, z, l, m, n, failure, ray.opl)
+    if ray.opl is None:
+        return (
+            _moved(bent, pose.global_point, pose.global_direction) if kind.placement is Placement.POSED else bent
+        ), bent
+
+    distance = approach + crossing.distance
+    if centred:
+        slant = (ray.l * ray.l + ray.m * ray.m) / (1 + before * ray.n)
+        step = after * record.index_after - before * record.index_before
+        bent = _replace_opl(bent, ray.opl + record.index_before * distance * slant - step * z)
+        return bent, bent
+    arrived = ray.opl + record.index_before * (distance - before * (record.gap - z_before))
+    bent = _replace_opl(bent, arrived - after * record.index_after * z)
+    if kind.placement is Placement.BREAK:
+        return bent, bent
+    ray = _moved(bent, pose.global_point, pose.global_direction)
+    return _replace_opl(ray, arrived - after * record.index_after * ray.z), bent
+
+
+def _records(system: System, last: int) -> Record:
+    """The arrays of surfaces 1 ... last, every one with a leading axis of that length."""
+    dtype = system.curvature.dtype
+    gap = jnp.concatenate([jnp.zeros(1, dtype), system.thickness])[:last]
+    index = jnp.concatenate([system.index, system.index[-1:]])
+    orientation = np.array([*system.orientation, system.orientation[-1]], dtype)
+    return Record(
+        number=np.arange(1, last + 1, dtype=np.int32),
+        gap=gap,
+        curvature=system.curvature[:last],
+        conic=system.conic[:last],
+        coefficients=system.coefficients[:last],
+        index_before=index[:last],
+        index_after=index[1 : last + 1],
+        side=np.array(system.sides, dtype)[:last],
+        orientation_before=orientation[:last],
+        orientation_after=orientation[1 : last + 1],
+        aperture=system.aperture[:last],
+        decenter=system.decenter[:last],
+        tilt=system.tilt[:last],
+    )
+
+
+def _whole_opl(records: Record, ray: Ray, forward: jax.Array) -> Ray:
+    """Optical path out of its excess, for the last `len(ray.x)` of the surfaces."""
+    axial = jnp.cumsum(records.orientation_before * records.index_before * records.gap)
+    after = records.orientation_after * records.index_after
+    count = ray.x.shape[0]
+    shape = (count, *(1,) * (ray.x.ndim - 1))
+    axial, after = axial[-count:].reshape(shape), after[-count:].reshape(shape)
+    assert ray.opl is not None
+    return _replace_opl(ray, ray.opl + forward * (axial + after * ray.z))
+
+
+def _replace_opl(ray: Ray, opl: jax.Array) -> Ray:
+    return Ray(ray.x, ray.y, ray.z, ray.l, ray.m, ray.n, ray.failure, opl)
+
+
+def _replace_z(ray: Ray, z: jax.Array) -> Ray:
+    return Ray(ray.x, ray.y, z, ray.l, ray.m, ray.n, ray.failure, ray.opl)
+
+
+def _moved(ray: Ray, point: Any, direction: Any) -> Ray:
+    """The ray seen from another frame."""
+    x, y, z = point((ray.x, ray.y, ray.z))
+    l, m, n = direction((ray.l, ray.m, ray.n))
+    return Ray(x, y, z, l, m, n, ray.failure, ray.opl)

@@ -1,0 +1,171 @@
+"""One contract for every shape: sag, normal and crossing agree with each other and with closed forms."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.optimize import brentq
+
+from lenstrace.optics.rays import RayStatus
+from lenstrace.optics.shapes.asphere import Asphere
+from lenstrace.optics.shapes.conic import Conic
+
+SHAPES = {
+    "plane": Conic(jnp.array(0.0), jnp.array(0.0)),
+    "sphere": Conic(jnp.array(1 / 50), jnp.array(0.0)),
+    "concave": Conic(jnp.array(-1 / 30), jnp.array(0.0)),
+    "parabola": Conic(jnp.array(1 / 40), jnp.array(-1.0)),
+    "hyperbola": Conic(jnp.array(-1 / 25), jnp.array(-3.0)),
+    "oblate": Conic(jnp.array(1 / 60), jnp.array(5.0)),
+    "asphere": Asphere(jnp.array(1 / 40), jnp.array(-0.5), jnp.array([1e-5, -3e-8, 1e-11]), (4, 6, 8)),
+    "odd": Asphere(jnp.array(1 / 50), jnp.array(0.3), jnp.array([1e-4, 3e-5, -1e-7, 2e-8]), (2, 3, 5, 6)),
+    "flat asphere": Asphere(jnp.array(0.0), jnp.array(0.0), jnp.array([2e-3, 1e-6]), (2, 4)),
+}
+
+
+@pytest.fixture(params=SHAPES)
+def shape(request: pytest.FixtureRequest) -> Conic | Asphere:
+    """A shape."""
+    return SHAPES[request.param]
+
+
+def rays(seed: int, count: int = 200) -> tuple[np.ndarray, np.ndarray]:
+    """Points on the vertex plane within 10 mm and directions within 35 degrees of +z."""
+    generator = np.random.default_rng(seed)
+    x, y = generator.uniform(-7, 7, (2, count))
+    angle, turn = generator.uniform(0, 0.6, count), generator.uniform(0, 2 * np.pi, count)
+    direction = np.array([np.sin(angle) * np.cos(turn), np.sin(angle) * np.sin(turn), np.cos(angle)])
+    return np.array([x, y, np.zeros(count)]), direction
+
+
+def crossing(shape: Conic | Asphere, point: np.ndarray, direction: np.ndarray, side: float = 1.0):
+    return shape.crossing(tuple(map(jnp.asarray, point)), tuple(map(jnp.asarray, direction)), jnp.asarray(side))
+
+
+def test_crossing_lies_on_the_surface_and_on_the_ray(shape: Conic | Asphere) -> None:
+    point, direction = rays(1)
+    found = crossing(shape, point, direction)
+    assert (np.asarray(found.status) == 0).all()
+    assert_allclose(found.point, point + np.asarray(found.distance) * direction, atol=1e-14)
+    assert_allclose(found.point[2], shape.sag(found.point[0], found.point[1]), atol=5e-15)
+
+
+def test_crossing_agrees_with_bisection(shape: Conic | Asphere) -> None:
+    point, direction = rays(2, 12)
+    found = crossing(shape, point, direction)
+    for i in range(12):
+        p, d = point[:, i], direction[:, i]
+
+        def height(t: float, p: np.ndarray = p, d: np.ndarray = d) -> float:
+            return float(p[2] + t * d[2] - shape.sag(jnp.asarray(p[0] + t * d[0]), jnp.asarray(p[1] + t * d[1])))
+
+        assert_allclose(found.distance[i], brentq(height, -6, 6, xtol=1e-14), atol=1e-13)
+
+
+def test_normal_is_the_gradient_of_the_sag(shape: Conic | Asphere) -> None:
+    point, direction = rays(3)
+    found = crossing(shape, point, direction)
+    slope = jax.vmap(jax.grad(shape.sag, argnums=(0, 1)))(found.point[0], found.point[1])
+    normal = np.asarray(found.normal)
+    assert_allclose(normal[0] / normal[2], -slope[0], atol=1e-14)
+    assert_allclose(normal[1] / normal[2], -slope[1], atol=1e-14)
+    assert_allclose(found.normal_squared, (normal**2).sum(0), rtol=1e-14)
+    assert_allclose(found.cosine, np.abs((normal * direction).sum(0)), rtol=1e-13)
+
+
+def test_backward_light_meets_the_same_point(shape: Conic | Asphere) -> None:
+    point, direction = rays(4)
+    forward = crossing(shape, point, direction)
+    backward = crossing(shape, point, -direction, -1.0)
+    assert_allclose(backward.distance, -np.asarray(forward.distance), atol=1e-14)
+    assert_allclose(backward.point, forward.point, atol=1e-14)
+
+
+def test_derivatives_of_the_crossing(shape: Conic | Asphere) -> None:
+    """By every number of the shape and of the ray, to second order, against central differences."""
+    point, direction = rays(5, 1)
+
+    def distance(shape: Conic | Asphere, y: jax.Array) -> jax.Array:
+        return crossing(shape, [point[0, 0], y, 0.0], direction[:, 0]).distance  # type: ignore[arg-type]
+
+    y = jnp.asarray(point[1, 0])
+    first = jax.grad(distance, argnums=(0, 1))(shape, y)
+    leaves, tree = jax.tree.flatten(shape)
+    for i, leaf in enumerate(leaves):
+        for j in np.ndindex(leaf.shape):
+            step = 1e-6 * max(1e-3, float(abs(leaf[j])))
+            moved = [
+                distance(tree.unflatten([*leaves[:i], leaf.at[j].add(s), *leaves[i + 1 :]]), y) for s in (step, -step)
+            ]
+            difference = (moved[0] - moved[1]) / (2 * step)
+            assert_allclose(jax.tree.leaves(first[0])[i][j], difference, rtol=2e-5, atol=1e-6)
+    second = jax.grad(jax.grad(distance, argnums=1), argnums=1)(shape, y)
+    rates = [jax.grad(distance, argnums=1)(shape, y + s) for s in (1e-5, -1e-5)]
+    assert_allclose(second, (rates[0] - rates[1]) / 2e-5, rtol=1e-5, atol=1e-9)
+
+
+def test_derivatives_are_finite_on_the_vertex_and_beyond_the_rim(shape: Conic | Asphere) -> None:
+    for y in (0.0, 1e3):
+
+        def distance(shape: Conic | Asphere, y: jax.Array) -> jax.Array:
+            zero = jnp.zeros(())
+            found = shape.crossing((zero, y, zero), (zero, zero, jnp.ones(())), jnp.ones(()))
+            return found.distance + found.cosine + found.normal[1]
+
+        gradient = jax.grad(distance, argnums=(0, 1))(shape, jnp.asarray(y))
+        assert all(np.isfinite(leaf).all() for leaf in jax.tree.leaves(gradient))
+
+
+def test_curvature_derivative_of_a_plane_is_exact() -> None:
+    # a ray parallel to the axis at height h: sag = c h^2 / 2 + ..., d sag / dc = h^2 / 2 at c = 0
+    def sag(c: jax.Array) -> jax.Array:
+        return crossing(Conic(c, jnp.array(0.0)), [0.0, 3.0, 0.0], [0.0, 0.0, 1.0]).distance  # type: ignore[arg-type]
+
+    assert float(jax.grad(sag)(0.0)) == 4.5
+
+
+def test_a_parabola_met_parallel_to_its_axis_loses_no_digits() -> None:
+    h = np.array([1e-9, 1e-3, 1.0, 30.0])
+    found = crossing(SHAPES["parabola"], np.array([0 * h, h, 0 * h]), np.array([0 * h, 0 * h, 1 + 0 * h]))
+    assert_allclose(found.distance, h**2 / 80, rtol=4e-16)
+
+
+def test_misses_are_statuses() -> None:
+    sphere, hyperbola = Conic(jnp.array(0.1), jnp.array(0.0)), Conic(jnp.array(0.1), jnp.array(-4.0))
+    straight = [0.0, 0.0, 1.0]
+    assert int(crossing(sphere, [0.0, 9.999, 0.0], straight).status) == RayStatus.OK  # type: ignore[arg-type]
+    assert int(crossing(sphere, [0.0, 10.001, 0.0], straight).status) == RayStatus.MISSED  # type: ignore[arg-type]
+    # this line meets the hyperboloid on its other sheet alone, which begins at z = 2 / (c (1 + k)) = -6.7
+    slope = np.arctan(0.3)
+    other = crossing(hyperbola, [0.0, 0.0, -10.0], [0.0, np.cos(slope), np.sin(slope)])  # type: ignore[arg-type]
+    assert int(other.status) == RayStatus.MISSED
+    # the far half of a ball does not belong to the sheet through the vertex
+    side = crossing(sphere, [0.0, 0.0, 15.0], [0.0, 1.0, 0.0])  # type: ignore[arg-type]
+    assert int(side.status) == RayStatus.MISSED
+
+
+def test_a_field_beyond_a_right_angle_enters_the_front_of_a_dome() -> None:
+    # R = 10; light going up and 5 degrees backward enters at the lower rim, from outside
+    angle = np.deg2rad(95)
+    direction = [0.0, np.sin(angle), np.cos(angle)]
+    found = crossing(Conic(jnp.array(0.1), jnp.array(0.0)), [0.0, 0.0, 2.0], direction)  # type: ignore[arg-type]
+    assert int(found.status) == RayStatus.OK
+    assert float(found.point[1]) < -5
+    assert_allclose((np.asarray(found.point) - [0, 0, 10]) @ (np.asarray(found.point) - [0, 0, 10]), 100, rtol=1e-14)
+    assert np.dot(np.asarray(found.normal), direction) > 0
+
+
+def test_an_asphere_that_nothing_meets_says_so() -> None:
+    steep = Asphere(jnp.array(0.1), jnp.array(0.0), jnp.array([1e-4]), (4,))
+    status = int(crossing(steep, [0.0, 10.5, 0.0], [0.0, 0.0, 1.0]).status)  # type: ignore[arg-type]
+    assert status == RayStatus.MISSED
+
+
+def test_single_precision_stays_single() -> None:
+    shape = jax.tree.map(lambda a: a.astype(jnp.float32), SHAPES["odd"])
+    point, direction = (tuple(jnp.asarray(a, jnp.float32) for a in part) for part in rays(6))
+    found = shape.crossing(point, direction, jnp.float32(1))
+    assert found.distance.dtype == jnp.float32
+    assert (np.asarray(found.status) == 0).all()
+    assert_allclose(found.point[2], shape.sag(found.point[0], found.point[1]), atol=1e-6)

@@ -1,0 +1,101 @@
+"""Gradients of the spot by every number of a lens, against central differences; finite where they must be."""
+
+import dataclasses
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import lenstrace
+from lenstrace import Lens
+from lenstrace.optics.apertures import ApertureKind
+
+ROWS = [
+    {"radius": 30.0, "thickness": 5.0, "index": 1.6, "conic": -0.4, "asphere": {4: 2e-6, 6: 1e-9}},
+    {"thickness": 8.0},
+    {"radius": -25.0, "thickness": 2.0, "abbe": {"nd": 1.7, "vd": 30.0}, "asphere": {4: -5e-6}},
+    {"radius": 40.0, "thickness": 5.0},
+    {"thickness": 4.0, "stop": True},
+    {"radius": 60.0, "thickness": 4.0, "index": 1.62, "tilt": [0.4, -0.3, 2.0], "decenter": [0.1, -0.2]},
+    {"radius": -28.0, "thickness": 47.0, "asphere": {3: 1e-5}},
+]
+
+
+@pytest.fixture(scope="module")
+def lens() -> Lens:
+    """Plane, conic, aspheres, a tilted surface, a model glass."""
+    return lenstrace.lens(ROWS, {"image_f_number": 6.0}, [3.0], [0.5, 0.6], image={"radius": -200.0})
+
+
+def merit(lens: Lens) -> jax.Array:
+    return jnp.sum(lenstrace.spots(lens, rings=2).rms_centroid)
+
+
+def test_gradient_by_every_number_of_the_rows(lens: Lens) -> None:
+    gradient, value = jax.grad(merit), jax.jit(merit)
+    found, _ = jax.tree.flatten(gradient(lens).rows)
+    leaves, tree = jax.tree.flatten(lens.rows)
+    assert len(leaves) > 60
+    for i, leaf in enumerate(leaves):
+        # a step that moves the ray by about a micrometre, whatever the number is
+        scale = 1 / max(float(abs(found[i])), 1e-9)
+        step = min(2e-5 * scale * float(value(lens)), 0.05)
+        moved = []
+        for sign in (2, 1, -1, -2):
+            changed = tree.unflatten([*leaves[:i], leaf + sign * step, *leaves[i + 1 :]])
+            moved.append(float(value(dataclasses.replace(lens, rows=changed))))
+        difference = (8 * (moved[1] - moved[2]) - (moved[0] - moved[3])) / (12 * step)
+        assert_allclose(found[i], difference, rtol=1e-6, atol=1e-9, err_msg=str(i))
+
+
+def test_forward_and_reverse_agree_through_the_lens(lens: Lens) -> None:
+    def rms(curvature: jax.Array) -> jax.Array:
+        return lenstrace.spots(lens.replace(curvature=curvature), rings=2).rms_centroid
+
+    curvature = jnp.asarray(lens.curvature)
+    assert_allclose(jax.jacfwd(rms)(curvature), jax.jacrev(rms)(curvature), rtol=1e-10, atol=1e-12)
+
+
+def test_a_batch_of_lenses_is_a_vmap(lens: Lens) -> None:
+    curvature = jnp.asarray(lens.curvature) * jnp.array([0.98, 1.0, 1.03])[:, None]
+    batch = jax.vmap(lambda c: merit(lens.replace(curvature=c)))(curvature)
+    assert_allclose(batch, [merit(lens.replace(curvature=np.asarray(c))) for c in curvature], rtol=1e-12)
+
+
+def test_lost_rays_leave_gradients_finite() -> None:
+    # half the rays of the second field miss the strong ball, some are clipped, some totally reflected
+    rows = [
+        {"radius": 6.0, "thickness": 12.0, "index": 1.9, "stop": True},
+        {"radius": -6.0, "thickness": 2.0, "aperture": {"circle": 2.5}},
+    ]
+    ball = lenstrace.lens(rows, {"entrance_pupil_diameter": 13.0}, [0.0, 30.0], [0.55])
+    spots = lenstrace.spots(ball)
+    reasons = {status.name for field in (0, 1) for _, status in spots.losses(field, 0)}
+    assert reasons >= {"MISSED", "CLIPPED"}
+    gradient = jax.grad(merit)(ball)
+    assert all(np.isfinite(leaf).all() for leaf in jax.tree.leaves(gradient))
+
+
+def test_gradient_at_a_perfect_spot_is_finite(designs: dict[str, Lens]) -> None:
+    gradient = jax.grad(merit)(designs["negative_index_slab"])
+    assert all(np.isfinite(leaf).all() for leaf in jax.tree.leaves(gradient))
+
+
+def test_curvature_gradient_of_a_flat_plate_against_the_exact_formula() -> None:
+    # front of a plate 0 mm thick, image at distance d, axial parallel light at height h: y = h (1 - (n - 1) c d)
+    rows = [{"thickness": 0.0, "index": 1.5, "stop": True}, {"thickness": 100.0}]
+    plate = lenstrace.lens(rows, {"entrance_pupil_diameter": 2.0}, [0.0], [0.55])
+
+    def height(c: jax.Array) -> jax.Array:
+        return lenstrace.trace(plate.replace(surface=1, curvature=c), pupil=(0.0, 1.0), path=False).y
+
+    assert_allclose(jax.grad(height)(0.0), -0.5 * 100, rtol=1e-14)
+
+
+def test_kinds_are_what_the_rows_need(lens: Lens) -> None:
+    kinds = lens.system.kinds
+    assert kinds[1].powers == ()
+    assert kinds[0].powers == kinds[2].powers == (3, 4, 6)
+    assert all(kind.aperture is ApertureKind.NONE for kind in kinds)
