@@ -1,7 +1,8 @@
 """The sequential trace: rays through one surface after the other, in the order of the prescription.
 
-Consecutive surfaces of one kind run in one `lax.scan`, so that the compiled program does not grow with their
-number and contains nothing that none of them needs. Optical path, where asked for, is carried as its excess
+All surfaces run in one `lax.scan`, whose body holds the kinds of surface that the lens has, each once: the
+compiled program does not grow with their number and contains nothing that none of them needs. (Written out
+surface by surface, XLA fuses each result with all that came before, and compiles for minutes.) Optical path, where asked for, is carried as its excess
 over the axial path, W = sum n t - sum sigma n gap - sigma n z, which loses no digits to the length of the lens:
 
     gap and crossing:  W += n1 t (l^2 + m^2) / (1 + sigma n),    surface:  W -= (sigma2 n2 - sigma1 n1) z,
@@ -11,7 +12,7 @@ sigma = +1 or -1 the sense of the light along z, t the path to the crossing at h
 
 from __future__ import annotations
 
-import itertools
+import functools
 from typing import Any, NamedTuple
 
 import jax
@@ -68,31 +69,22 @@ def trace(system: System, ray: Ray, *, last: int | None = None, path: bool = Fal
     records = _records(system, last)
     forward = jnp.where(ray.n < BACKWARD, -1, 1).astype(ray.n.dtype)
     start = ray if ray.opl is None else _replace_opl(ray, ray.opl - forward * system.index[0] * ray.z)
-    state, pieces, first = start, [], 0
-    for kind, run in itertools.groupby(system.kinds[:last]):
-        count = len(list(run))
-        piece = jax.tree.map(lambda a, i=first, j=first + count: a[i:j], records)
-        first += count
+    kinds = tuple(dict.fromkeys(system.kinds[:last]))
+    branch = np.array([kinds.index(kind) for kind in system.kinds[:last]], np.int32)
+    keep = path or system.kinds[last - 1].placement is Placement.POSED
 
-        def step(state: Ray, record: Record, kind: Kind = kind) -> tuple[Ray, Ray | None]:
-            after, here = cross(state, record, kind, forward)
-            return after, here if path or kind.placement is Placement.POSED else None
+    def step(state: Ray, surface: tuple[Record, jax.Array]) -> tuple[Ray, Ray | None]:
+        record, branch = surface
+        crossings = [functools.partial(cross, kind=kind, forward=forward) for kind in kinds]
+        after, here = crossings[0](state, record) if len(kinds) == 1 else lax.switch(branch, crossings, state, record)
+        return after, here if keep else None
 
-        if count == 1:
-            state, here = step(state, jax.tree.map(lambda a: a[0], piece))
-            here = jax.tree.map(lambda a: a[None], here)
-        else:
-            state, here = lax.scan(step, state, piece)
-        pieces.append(here)
-    if path:
-        whole = jax.tree.map(lambda *parts: jnp.concatenate(parts), *pieces)
-        whole = whole if ray.opl is None else _whole_opl(records, whole, forward)
-        launched = jax.tree.map(lambda a: a[None], ray)
-        return jax.tree.map(lambda a, b: jnp.concatenate([a, b]), launched, whole)
-    final = pieces[-1] if pieces[-1] is not None else jax.tree.map(lambda a: a[None], state)
-    final = jax.tree.map(lambda a: a[-1:], final)
-    final = final if ray.opl is None else _whole_opl(records, final, forward)
-    return jax.tree.map(lambda a: a[0], final)
+    end, passed = lax.scan(step, start, (records, branch))
+    passed = passed if keep else jax.tree.map(lambda a: a[None], end)
+    passed = passed if ray.opl is None else _whole_opl(records, passed, forward)
+    if not path:
+        return jax.tree.map(lambda a: a[-1], passed)
+    return jax.tree.map(lambda a, b: jnp.concatenate([a[None], b]), ray, passed)
 
 
 def cross(ray: Ray, record: Record, kind: Kind, forward: jax.Array) -> tuple[Ray, Ray]:
@@ -181,7 +173,7 @@ def _records(system: System, last: int) -> Record:
 
 
 def _whole_opl(records: Record, ray: Ray, forward: jax.Array) -> Ray:
-    """Optical path out of its excess, for the last `len(ray.x)` of the surfaces."""
+    """Optical path out of its excess; `ray` has the last surfaces, as many as its leading axis is long."""
     axial = jnp.cumsum(records.orientation_before * records.index_before * records.gap)
     after = records.orientation_after * records.index_after
     count = ray.x.shape[0]
