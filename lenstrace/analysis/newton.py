@@ -59,12 +59,13 @@ def _newton(system: System) -> NewtonCheck:
     primary = system.at(system.primary)
     points = paraxial.first_order(primary)
     pupil = paraxial.entrance_pupil(primary).diameter / 2
-    m = jnp.array(MAGNIFICATIONS)
+    dtype = system.curvature.dtype
+    m = jnp.array(MAGNIFICATIONS, dtype)
     x_object = -points.object_focal_length / m
     position = x_object + points.front_focal_point
     x_image = paraxial.image_distance(primary, position) - points.rear_focal_point
     expected = points.object_focal_length * points.focal_length
-    heights = jnp.array(HEIGHTS) * jnp.where(jnp.isfinite(pupil), pupil, jnp.abs(points.focal_length) / 10)
+    heights = jnp.array(HEIGHTS, dtype) * jnp.where(jnp.isfinite(pupil), pupil, jnp.abs(points.focal_length) / 10)
     real = _crossing(primary, heights[:, None], position) - points.rear_focal_point
     real_residual = x_object * real / expected - 1
     low, lowest = jnp.abs(real_residual[-2]), jnp.abs(real_residual[-1])
@@ -85,7 +86,7 @@ def _crossing(system: System, height: jax.Array, position: jax.Array) -> jax.Arr
     """Where the real ray from (or toward) the axial point at `position` that meets the first vertex plane at `height`
     crosses the axis, mm from the last vertex that bends; nan where it fails."""
     height, position = jnp.broadcast_arrays(height, position)
-    sense = jnp.where(position < 0, 1.0, -1.0)
+    sense = jnp.where(position < 0, 1.0, -1.0).astype(height.dtype)
     length = jnp.hypot(height, position)
     zero = jnp.zeros_like(height)
     start = living(zero, height, zero, zero, sense * height / length, -sense * position / length)

@@ -15,8 +15,9 @@ from lenstrace.errors import RayError
 from lenstrace.optics.rays import Ray
 from lenstrace.pytree import is_traced
 from lenstrace.sequential.build import DEGREE
+from lenstrace.sequential.document import Wavelengths
 from lenstrace.sequential.launch import launch
-from lenstrace.sequential.lens import Lens, Wavelengths
+from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.system import System
 from lenstrace.sequential.trace import trace as trace_system
 
@@ -97,6 +98,8 @@ def _floats(value: ArrayLike, scale: float = 1.0) -> jax.Array | np.ndarray:
 
 @functools.partial(jax.jit, static_argnums=3)
 def _through(system: System, rays: Ray, wavelength: int, path: bool) -> Ray:
+    dtype = system.curvature.dtype
+    rays = jax.tree.map(lambda a: a.astype(dtype) if jnp.issubdtype(a.dtype, jnp.floating) else a, rays)
     return trace_system(system.at(wavelength), rays, path=path)
 
 

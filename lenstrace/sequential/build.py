@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -11,18 +11,16 @@ import numpy as np
 
 from lenstrace.errors import LensTraceError, MediumError
 from lenstrace.pytree import is_traced
+from lenstrace.sequential.document import Document
 from lenstrace.sequential.rows import Row
 from lenstrace.sequential.system import Interaction, Kind, Placement, System
-
-if TYPE_CHECKING:
-    from lenstrace.sequential.lens import Lens
 
 DEGREE = np.pi / 180
 # Slack in deciding that a tilt turns the axis beyond 90 degrees: a right angle itself does not.
 TURNED = -1e-9
 
 
-def build_system(lens: Lens) -> System:
+def build_system(lens: Document) -> System:
     """The system of a lens. In numpy, unless JAX traces one of the numbers.
 
     Glass formulas are evaluated here: MediumError (WavelengthError) names the surface.
@@ -55,7 +53,7 @@ def build_system(lens: Lens) -> System:
     )
 
 
-def _indices(lens: Lens) -> Any:
+def _indices(lens: Document) -> Any:
     """(W, S + 1): the object space, then the medium behind each surface; a mirror repeats the one before."""
     media = [("object space", lens.object_medium)]
     for number, row in enumerate(lens.rows, 1):

@@ -1,4 +1,4 @@
-"""The lens as a document: rows, aperture, fields, wavelengths. What a person reads, edits and saves."""
+"""The lens: a document that a person reads, edits and asks questions of."""
 
 from __future__ import annotations
 
@@ -9,74 +9,21 @@ import jax
 import numpy as np
 
 from lenstrace.errors import LensTraceError, PrescriptionError
-from lenstrace.pytree import is_traced, pytree, static
+from lenstrace.pytree import is_traced, pytree
 from lenstrace.sequential.build import build_system
-from lenstrace.sequential.rows import Number, Row
+from lenstrace.sequential.document import Document
+from lenstrace.sequential.rows import Row
 from lenstrace.sequential.rules import check_lens, check_row, number_of
 from lenstrace.sequential.system import System
 from lenstrace.sequential.table import html_table, text_table
 
 
 @pytree
-class Aperture:
-    """How wide the lens is open.
-
-    kind:  entrance_pupil_diameter or stop_semi_diameter (value in mm), image_f_number or object_na (a pure number).
-    """
-
-    value: Number
-    kind: str = static()
-
-
-@pytree
-class Fields:
-    """The points that are imaged, F of them.
-
-    kind:  angle (x, y in degrees), object_height or image_height (x, y in mm).
-    """
-
-    x: tuple[Number, ...]
-    y: tuple[Number, ...]
-    kind: str = static()
-
-    @property
-    def unit(self) -> str:
-        """deg or mm."""
-        return "deg" if self.kind == "angle" else "mm"
-
-
-@pytree
-class Wavelengths:
-    """The colours, W of them, in micrometres, with their weights; `primary` is the place of the chosen one."""
-
-    weights: tuple[Number, ...]
-    um: tuple[float, ...] = static()
-    primary: int = static()
-
-
-@pytree
-class Lens:
+class Lens(Document):
     """A lens. Frozen: `replace` gives a new one. A pytree: `jax.grad`, `jit` and `vmap` take it.
 
-    rows:             surfaces 1 ... S in order; `lens[3]` is row 3.
-    image:            the image surface: its curvature and conic count.
-    object_distance:  mm from the object to the first vertex, positive; None at infinity.
-    published:        names and values (mm) of what the source says of the lens as it was written, and the
-                      relative tolerance of these figures; see `analysis/published.py`.
+    Its fields are those of `Document`; `lens[3]` is row 3.
     """
-
-    rows: tuple[Row, ...]
-    image: Row
-    aperture: Aperture
-    fields: Fields
-    wavelengths: Wavelengths
-    object_medium: Any
-    object_distance: Number | None = None
-    object_glass: str | None = static(default=None)
-    ray_aiming: bool = static(default=False)
-    name: str = static(default="")
-    source: str = static(default="")
-    published: tuple[tuple[str, float], ...] = static(default=())
 
     def __getitem__(self, surface: int) -> Row:
         """Row of a surface, numbered from 1 as in the file; S + 1 is the image."""
@@ -85,11 +32,6 @@ class Lens:
     def __len__(self) -> int:
         """S, the number of rows."""
         return len(self.rows)
-
-    @property
-    def stop(self) -> int:
-        """Number of the stop surface."""
-        return next(i for i, row in enumerate(self.rows, 1) if row.stop)
 
     @property
     def curvature(self) -> np.ndarray | jax.Array:
@@ -112,7 +54,7 @@ class Lens:
         kept = self.__dict__.get("_system")
         if kept is not None:
             return kept
-        system = build_system(self)
+        system = build_system(self).astype(self.precision)
         if not is_traced(self):
             object.__setattr__(self, "_system", system)
         return system
@@ -142,6 +84,14 @@ class Lens:
         changed = dataclasses.replace(self, **{"rows": tuple(rows), **changes})
         check_lens(changed)
         return changed
+
+    def astype(self, dtype: Any) -> Lens:
+        """The same lens, traced in float32 or float64 throughout. float32 is good to 2e-5 mm in position at the
+        100 mm scale; its derivatives are off by 0.3 %."""
+        name = np.dtype(dtype).name
+        if name not in ("float32", "float64"):
+            raise PrescriptionError(f"a lens is traced in float32 or float64, got {name}")
+        return self.replace(precision=name)
 
     def _replace_row(self, surface: int, changes: dict[str, Any]) -> Lens:
         where = "image" if surface == len(self.rows) + 1 else f"surface {surface}"

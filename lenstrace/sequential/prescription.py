@@ -12,6 +12,7 @@ from lenstrace.errors import PrescriptionError
 from lenstrace.optics.apertures import ApertureKind
 from lenstrace.optics.glasses import glass
 from lenstrace.optics.media import AIR, AbbeModel, Constant, Medium, Table
+from lenstrace.sequential.document import Aperture, Fields, Wavelengths
 from lenstrace.sequential.grammar import (
     AbbeKeys,
     FieldKeys,
@@ -21,7 +22,7 @@ from lenstrace.sequential.grammar import (
     WavelengthKeys,
     checked,
 )
-from lenstrace.sequential.lens import Aperture, Fields, Lens, Wavelengths
+from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.rows import Row
 from lenstrace.sequential.rules import check_lens
 

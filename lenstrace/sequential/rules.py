@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from lenstrace.errors import PrescriptionError
 from lenstrace.optics.apertures import ApertureKind
 from lenstrace.pytree import is_traced
+from lenstrace.sequential.document import Document
 from lenstrace.sequential.rows import Row
-
-if TYPE_CHECKING:
-    from lenstrace.sequential.lens import Lens
 
 APERTURE_KINDS = ("entrance_pupil_diameter", "image_f_number", "object_na", "stop_semi_diameter")
 FIELD_KINDS = ("angle", "object_height", "image_height")
@@ -20,7 +18,7 @@ FIELD_KINDS = ("angle", "object_height", "image_height")
 LONGEST_UM = 100.0
 
 
-def check_lens(lens: Lens) -> None:
+def check_lens(lens: Document) -> None:
     """PrescriptionError for the first rule that a lens breaks."""
     if not lens.rows:
         raise PrescriptionError("surfaces: a lens needs at least one row, got none")
@@ -69,7 +67,7 @@ def number_of(surface: int, count: int) -> int:
     return surface
 
 
-def _check_object(lens: Lens) -> None:
+def _check_object(lens: Document) -> None:
     value, kind = lens.aperture.value, lens.aperture.kind
     if kind not in APERTURE_KINDS:
         raise PrescriptionError(f"aperture: unknown kind {kind!r}; one of {', '.join(APERTURE_KINDS)}")
@@ -85,7 +83,7 @@ def _check_object(lens: Lens) -> None:
         raise PrescriptionError("aperture: object_na needs an object at a finite distance; give [lens] object_distance")
 
 
-def _check_fields(lens: Lens) -> None:
+def _check_fields(lens: Document) -> None:
     fields = lens.fields
     if fields.kind not in FIELD_KINDS:
         raise PrescriptionError(f"fields: unknown kind {fields.kind!r}; one of {', '.join(FIELD_KINDS)}")
@@ -112,7 +110,7 @@ def _check_fields(lens: Lens) -> None:
                 )
 
 
-def _check_wavelengths(lens: Lens) -> None:
+def _check_wavelengths(lens: Document) -> None:
     waves = lens.wavelengths
     if not waves.um:
         raise PrescriptionError("wavelengths: at least one is needed, got none")

@@ -7,7 +7,6 @@ import enum
 from typing import Any
 
 import jax
-import numpy as np
 
 from lenstrace.optics.apertures import ApertureKind
 from lenstrace.pytree import pytree, static
@@ -122,4 +121,4 @@ class System:
 
     def astype(self, dtype: Any) -> System:
         """The same system in another precision; a trace runs in the precision of these arrays."""
-        return jax.tree.map(lambda a: np.asarray(a, dtype) if isinstance(a, np.ndarray) else a.astype(dtype), self)
+        return jax.tree.map(lambda a: a.astype(dtype), self)

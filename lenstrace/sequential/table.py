@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import html
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from lenstrace.optics.apertures import ApertureKind
 from lenstrace.optics.media import Constant, Table
-
-if TYPE_CHECKING:
-    from lenstrace.sequential.lens import Lens
+from lenstrace.sequential.document import Document
 
 APERTURE_LABELS = {
     "entrance_pupil_diameter": "entrance pupil diameter {} mm",
@@ -25,7 +23,7 @@ FIELD_LABELS = {
 }
 
 
-def text_table(lens: Lens) -> str:
+def text_table(lens: Document) -> str:
     """The lens as lines of text: a heading, one row a surface, lengths in mm."""
     head, rows = _cells(lens)
     widths = [max(len(row[i]) for row in (head, *rows)) for i in range(len(head))]
@@ -39,7 +37,7 @@ def text_table(lens: Lens) -> str:
     return "\n".join([*_heading(lens), *lines])
 
 
-def html_table(lens: Lens) -> str:
+def html_table(lens: Document) -> str:
     """The lens as an HTML table, for a notebook."""
     head, rows = _cells(lens)
     title, *rest = (html.escape(line) for line in _heading(lens))
@@ -51,7 +49,7 @@ def html_table(lens: Lens) -> str:
     )
 
 
-def _heading(lens: Lens) -> list[str]:
+def _heading(lens: Document) -> list[str]:
     waves = ", ".join(
         f"{um:g}" + (" (primary)" if i == lens.wavelengths.primary and len(lens.wavelengths.um) > 1 else "")
         for i, um in enumerate(lens.wavelengths.um)
@@ -68,7 +66,7 @@ def _heading(lens: Lens) -> list[str]:
     ]
 
 
-def _cells(lens: Lens) -> tuple[list[str], list[list[str]]]:
+def _cells(lens: Document) -> tuple[list[str], list[list[str]]]:
     """Heading and rows; columns that no surface needs are left out."""
     distance = lens.object_distance
     numbers = ["0", *map(str, range(1, len(lens.rows) + 1)), str(len(lens.rows) + 1)]
@@ -97,12 +95,12 @@ def _cells(lens: Lens) -> tuple[list[str], list[list[str]]]:
     return [name for name, _ in kept], [list(row) for row in zip(*(cells for _, cells in kept), strict=True)]
 
 
-def _media(lens: Lens) -> list[str]:
+def _media(lens: Document) -> list[str]:
     """The glass as written, or the index at the primary wavelength."""
-    index = lens.system.index[lens.wavelengths.primary, 1:]
+    primary = lens.wavelengths.um[lens.wavelengths.primary]
     return [
-        f"n={_plain(n)}" if isinstance(row.medium, (Constant, Table)) else row.material
-        for row, n in zip(lens.rows, index, strict=True)
+        f"n={_plain(row.medium.index(primary))}" if isinstance(row.medium, (Constant, Table)) else row.material
+        for row in lens.rows
     ]
 
 

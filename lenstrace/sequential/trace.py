@@ -2,8 +2,10 @@
 
 All surfaces run in one `lax.scan`, whose body holds the kinds of surface that the lens has, each once: the
 compiled program does not grow with their number and contains nothing that none of them needs. (Written out
-surface by surface, XLA fuses each result with all that came before, and compiles for minutes.) Optical path, where asked for, is carried as its excess
-over the axial path, W = sum n t - sum sigma n gap - sigma n z, which loses no digits to the length of the lens:
+surface by surface, XLA fuses each result with all that came before, and compiles for minutes.)
+
+Optical path, where asked for, is carried as its excess over the axial path, W = sum n t - sum sigma n gap -
+sigma n z, which loses no digits to the length of the lens:
 
     gap and crossing:  W += n1 t (l^2 + m^2) / (1 + sigma n),    surface:  W -= (sigma2 n2 - sigma1 n1) z,
 
@@ -79,12 +81,12 @@ def trace(system: System, ray: Ray, *, last: int | None = None, path: bool = Fal
         after, here = crossings[0](state, record) if len(kinds) == 1 else lax.switch(branch, crossings, state, record)
         return after, here if keep else None
 
-    end, passed = lax.scan(step, start, (records, branch))
-    passed = passed if keep else jax.tree.map(lambda a: a[None], end)
-    passed = passed if ray.opl is None else _whole_opl(records, passed, forward)
+    end, met = lax.scan(step, start, (records, jnp.asarray(branch)))
+    met = jax.tree.map(lambda a: a[None], end) if met is None else met
+    met = met if ray.opl is None else _whole_opl(records, met, forward)
     if not path:
-        return jax.tree.map(lambda a: a[-1], passed)
-    return jax.tree.map(lambda a, b: jnp.concatenate([a[None], b]), ray, passed)
+        return jax.tree.map(lambda a: a[-1], met)
+    return jax.tree.map(lambda a, b: jnp.concatenate([a[None], b]), ray, met)
 
 
 def cross(ray: Ray, record: Record, kind: Kind, forward: jax.Array) -> tuple[Ray, Ray]:

@@ -11,6 +11,7 @@ from numpy.testing import assert_allclose
 
 import lenstrace
 from lenstrace import Lens
+from lenstrace.sequential.document import Aperture, Fields
 
 # A made-up lens that sees more than a half space: the strong menisci bend 100 degrees into the stop.
 FISHEYE_ROWS = [
@@ -72,7 +73,7 @@ def test_object_height_is_the_object_point() -> None:
 
 def test_image_height_is_paraxial(designs: dict[str, Lens]) -> None:
     triplet = designs["cooke_triplet"]
-    by_height = triplet.replace(fields=lenstrace.sequential.lens.Fields((0.0,), (18.0,), "image_height"))
+    by_height = triplet.replace(fields=Fields((0.0,), (18.0,), "image_height"))
     ray = lenstrace.trace(by_height, field=18.0)
     focal_length = lenstrace.first_order(triplet).focal_length[1]
     assert_allclose(ray.m[0] / ray.n[0], 18 / focal_length, rtol=1e-13)
@@ -115,7 +116,7 @@ def test_telecentric_objects_need_an_aperture_in_the_object_space() -> None:
     rim = lenstrace.trace(lens, field=0.0, pupil=(0.0, 1.0))
     assert_allclose(rim.m[0], 0.05, rtol=1e-13)
     with pytest.raises(lenstrace.PrescriptionError, match="entrance pupil is at infinity"):
-        lenstrace.spots(lens.replace(aperture=lenstrace.sequential.lens.Aperture(3.0, "stop_semi_diameter")))
+        lenstrace.spots(lens.replace(aperture=Aperture(3.0, "stop_semi_diameter")))
 
 
 @pytest.mark.parametrize("field", [0.0, 45.0, 80.0, 85.0, 89.0, 90.0, 95.0, 100.0])

@@ -13,8 +13,9 @@ from lenstrace.optics.vectors import Vector, safe_divide, safe_sqrt
 from lenstrace.pytree import pytree, static
 
 NEWTON_STEPS = 10
-# The last step must be below this many units in the last place of the numbers involved.
-NEWTON_TOLERANCE = 64.0
+# The last step must be below this many units in the last place of the numbers involved: what cancels in a steep
+# series is noise in that step, not an error left over.
+NEWTON_TOLERANCE = 1e4
 
 
 @pytree
@@ -79,11 +80,9 @@ class Asphere:
         normal = (-x * slope, -y * slope, jnp.ones_like(x))
         normal_squared = normal[0] ** 2 + normal[1] ** 2 + 1
         cosine = side * (normal[0] * l + normal[1] * m + n)
-        status = jnp.where(
-            converged,
-            jnp.where(inside & (cosine > 0), 0, int(RayStatus.MISSED)),
-            jnp.where(inside, int(RayStatus.NOT_CONVERGED), int(RayStatus.MISSED)),
-        )
+        # beyond the rim there is no surface; a crossing in the wrong sense leaves open whether there is a right one
+        found = jnp.where(converged & (cosine > 0), 0, int(RayStatus.NOT_CONVERGED))
+        status = jnp.where(inside, found, int(RayStatus.MISSED))
         return Crossing(t, (x, y, z), normal, normal_squared, jnp.abs(cosine), status)
 
     def _departure(self, r2: jax.Array) -> jax.Array:

@@ -51,17 +51,21 @@ class Conic:
             A = c (1 + k n^2),  G = n - c (x l + y m + (1 + k) z n),  F = c (x^2 + y^2 + (1 + k) z^2) - 2 z,
 
         and t = F / (G + s E), E = sqrt(G^2 - A F), the form that is exact at c = 0 and at A = 0; s E is the
-        product of normal and direction at the crossing.
+        product of normal and direction at the crossing. Where G and s differ in sign (light nearly along the vertex
+        plane, or against its sense) the same root is (G - s E) / A, without the cancellation.
         """
         (x, y, z), (l, m, n) = point, direction
         c, one_k = self.curvature, 1 + self.conic
         f = c * (x * x + y * y + one_k * z * z) - 2 * z
         g = n - c * (x * l + y * m + one_k * z * n)
-        inside = g * g - c * (1 + self.conic * n * n) * f
+        a = c * (1 + self.conic * n * n)
+        inside = g * g - a * f
         cosine = safe_sqrt(inside)
-        t = safe_divide(f, g + side * cosine)
+        against = side * g < 0
+        divisor = jnp.where(against, a, g + side * cosine)
+        t = safe_divide(jnp.where(against, g - side * cosine, f), divisor)
         x, y, z = x + t * l, y + t * m, z + t * n
         normal = self.normal(x, y, z)
-        hit = (inside > 0) & (g + side * cosine != 0) & (normal[2] > 0)
+        hit = (inside > 0) & (divisor != 0) & (normal[2] > 0)
         normal_squared = normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2
         return Crossing(t, (x, y, z), normal, normal_squared, cosine, jnp.where(hit, 0, MISSED))

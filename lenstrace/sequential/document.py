@@ -1,0 +1,77 @@
+"""The document of a lens: what is written in its file, as data."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from lenstrace.pytree import pytree, static
+from lenstrace.sequential.rows import Number, Row
+
+
+@pytree
+class Aperture:
+    """How wide the lens is open.
+
+    kind:  entrance_pupil_diameter or stop_semi_diameter (value in mm), image_f_number or object_na (a pure number).
+    """
+
+    value: Number
+    kind: str = static()
+
+
+@pytree
+class Fields:
+    """The points that are imaged, F of them.
+
+    kind:  angle (x, y in degrees), object_height or image_height (x, y in mm).
+    """
+
+    x: tuple[Number, ...]
+    y: tuple[Number, ...]
+    kind: str = static()
+
+    @property
+    def unit(self) -> str:
+        """deg or mm."""
+        return "deg" if self.kind == "angle" else "mm"
+
+
+@pytree
+class Wavelengths:
+    """The colours, W of them, in micrometres, with their weights; `primary` is the place of the chosen one."""
+
+    weights: tuple[Number, ...]
+    um: tuple[float, ...] = static()
+    primary: int = static()
+
+
+@pytree
+class Document:
+    """Everything a prescription says.
+
+    rows:             surfaces 1 ... S in order; `lens[3]` is row 3.
+    image:            the image surface: its curvature and conic count.
+    object_distance:  mm from the object to the first vertex, positive; None at infinity.
+    precision:        the numbers' type in every trace, "float64" or "float32": see `astype`.
+    published:        names and values (mm) of what the source says of the lens as it was written, and the
+                      relative tolerance of these figures; see `analysis/published.py`.
+    """
+
+    rows: tuple[Row, ...]
+    image: Row
+    aperture: Aperture
+    fields: Fields
+    wavelengths: Wavelengths
+    object_medium: Any
+    object_distance: Number | None = None
+    object_glass: str | None = static(default=None)
+    ray_aiming: bool = static(default=False)
+    name: str = static(default="")
+    source: str = static(default="")
+    published: tuple[tuple[str, float], ...] = static(default=())
+    precision: str = static(default="float64")
+
+    @property
+    def stop(self) -> int:
+        """Number of the stop surface."""
+        return next(i for i, row in enumerate(self.rows, 1) if row.stop)
