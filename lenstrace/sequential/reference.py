@@ -62,82 +62,15 @@ def reference_trace(
     the last bit; the direction is brought to unit length.
     """
     with mp.workdps(digits + GUARD_DIGITS):
-        return list(_course(lens, _vector(*point), _unit(_vector(*direction)), wavelength_place))
-
-
-def reference_launch(
-    lens: Lens, field: Sequence[float], pupil: Sequence[float], digits: int = 50
-) -> tuple[Vector, Vector]:
-    """Point (mm, in the plane of the first vertex) and direction of the ray of a field (x, y; degrees or mm) and a
-    point (x, y) of the paraxial entrance pupil of the primary wavelength. ValueError with ray aiming.
-    """
-    if lens.ray_aiming:
-        raise ValueError("reference_launch knows no ray aiming; give the traced launch to reference_trace")
-    with mp.workdps(digits + GUARD_DIGITS):
-        (field_x, field_y), (pupil_x, pupil_y) = ([mp.mpf(float(v)) for v in pair] for pair in (field, pupil))
-        distance = mp.inf if lens.object_distance is None else mp.mpf(float(lens.object_distance))
-        position, radius, slope, scale = _first_order(lens, distance)
-        ahead = mp.one
-        if lens.fields.kind == "angle":
-            ahead = mp.sign(mp.cos(mp.radians(field_x)) * mp.cos(mp.radians(field_y)))
-            field_x, field_y = mp.tan(mp.radians(field_x)), mp.tan(mp.radians(field_y))
-        edge = _vector(pupil_x, pupil_y, 0)
-        if distance == mp.inf:
-            direction = ahead * _unit(_vector(scale * field_x, scale * field_y, 1))
-            start = radius * edge + _vector(0, 0, position)
-        else:
-            start = _vector(scale * field_x, scale * field_y, -distance)
-            direction = slope * edge + _vector(0, 0, 1)  # a pupil at infinity
-            if position != mp.inf:
-                direction = radius * edge + _vector(0, 0, position) - start
-            direction = _unit(direction * mp.sign(direction[2]))
-        return start - start[2] / direction[2] * direction, direction
-
-
-def _first_order(lens: Lens, distance: Number) -> tuple[Number, Number, Number, Number]:
-    """Position and radius of the entrance pupil, tangent of the object's aperture, and what makes a field the
-    tangent of an angle (object at infinity) or a height (at a finite distance)."""
-    n, value = _indices(lens, None), mp.mpf(float(lens.aperture.value))
-    # heights and slopes at all surfaces of the rays from (y, u) = (1, 0) and (0, 1) at the first vertex
-    (flat, flat_slope), (tilted, tilted_slope) = _paraxial(lens, n, 1, 0), _paraxial(lens, n, 0, 1)
-    at_stop = flat[lens.stop - 1]
-    position = tilted[lens.stop - 1] / at_stop if at_stop else mp.inf
-    slope, radius = mp.zero, value / 2
-    if lens.aperture.kind == "object_na":
-        slope = mp.tan(mp.asin(value / n[0]))
-        radius = slope * abs(distance + position)
-    elif lens.aperture.kind == "image_f_number":
-        radius = 1 / abs(flat_slope[-1]) / value / 2
-    elif lens.aperture.kind == "stop_semi_diameter":
-        radius = value / abs(at_stop)
-    scale = mp.one
-    if lens.fields.kind == "angle" and distance != mp.inf:
-        scale = -(distance + position)
-    elif lens.fields.kind == "image_height" and distance == mp.inf:
-        scale = -flat_slope[-1]
-    elif lens.fields.kind == "image_height":
-        scale = n[-1] * (distance * flat_slope[-1] + tilted_slope[-1]) / n[0]
-    return position, radius, slope, scale
-
-
-def _paraxial(lens: Lens, n: list[Number], y: Number, u: Number) -> tuple[list[Number], list[Number]]:
-    """Height at each surface and slope dy/dz behind it, of a ray with y and u at the first vertex."""
-    heights, slopes = [], []
-    for i, row in enumerate(lens.rows):
-        c = mp.mpf(float(row.curvature)) + 2 * mp.mpf(float(row.asphere.get(2, 0.0)))
-        u = -u - 2 * y * c if row.mirror else (n[i] * u - y * c * (n[i + 1] - n[i])) / n[i + 1]
-        heights.append(y)
-        slopes.append(u)
-        y += mp.mpf(float(row.thickness)) * u
-    return heights, slopes
+        return list(_course(lens, vector(*point), unit(vector(*direction)), wavelength_place))
 
 
 def _course(lens: Lens, point: Vector, direction: Vector, wavelength_place: int | None) -> Iterator[ReferenceRow]:
     opl, status, sense = mp.zero, RayStatus.OK, 1
-    n = _indices(lens, wavelength_place)
+    n = indices_of(lens, wavelength_place)
     yield _row(0, point, direction, opl, status)
     for number, row in enumerate((*lens.rows, lens.image), 1):
-        turn, shift = _turn(row), _vector(*row.decenter, 0)
+        turn, shift = _turn(row), vector(*row.decenter, 0)
         point, direction = turn.T @ (point - shift), turn.T @ direction
         turned = -1 if turn[2, 2] < TURNED else 1
         distance = _crossing(row, point, direction, sense * turned)
@@ -160,7 +93,7 @@ def _course(lens: Lens, point: Vector, direction: Vector, wavelength_place: int 
             sense *= turned
         else:
             point, direction = turn @ point + shift, turn @ direction
-        point = point - _vector(0, 0, row.thickness)
+        point = point - vector(0, 0, row.thickness)
 
 
 def _row(surface: int, point: Vector, direction: Vector, opl: Number, status: RayStatus) -> ReferenceRow:
@@ -168,7 +101,7 @@ def _row(surface: int, point: Vector, direction: Vector, opl: Number, status: Ra
     return ReferenceRow(surface, x, y, z, l, m, n, opl, status)
 
 
-def _indices(lens: Lens, wavelength_place: int | None) -> list[Number]:
+def indices_of(lens: Lens, wavelength_place: int | None) -> list[Number]:
     """Of the object space and behind each surface; a mirror keeps what is before it."""
     um = lens.wavelengths.um[lens.wavelengths.primary if wavelength_place is None else wavelength_place]
     indices = [mp.mpf(float(lens.object_medium.index(um)))]
@@ -235,7 +168,7 @@ def _normal(row: Row, point: Vector) -> Vector:
     """Of unit length, toward +z at the vertex."""
     r = mp.hypot(point[0], point[1])
     slope = mp.diff(lambda at: _sag(row, at), r) / r if r else 0
-    return _unit(_vector(-slope * point[0], -slope * point[1], 1))
+    return unit(vector(-slope * point[0], -slope * point[1], 1))
 
 
 def _crossing(row: Row, point: Vector, direction: Vector, sense: int) -> Number | None:
@@ -255,7 +188,7 @@ def _conic_roots(row: Row, point: Vector, direction: Vector) -> list[Number]:
     flat = tolerance**3  # below this a, in 1/mm, the other root lies beyond all measure
     with mp.workdps(EXTRA * mp.dps):
         c = mp.mpf(float(row.curvature))
-        stretched = c * _vector(1, 1, 1 + mp.mpf(float(row.conic))) * point
+        stretched = c * vector(1, 1, 1 + mp.mpf(float(row.conic))) * point
         a = c * (direction @ direction + mp.mpf(float(row.conic)) * direction[2] ** 2)
         b, d = stretched @ direction - direction[2], stretched @ point - 2 * point[2]
         if abs(a) < flat:
@@ -307,9 +240,11 @@ def _zero(f: Callable[[Number], Number], low: Number, high: Number) -> Number:
     return estimate
 
 
-def _vector(*numbers: Any) -> Vector:
+def vector(*numbers: Any) -> Vector:
+    """A vector of mpmath numbers."""
     return np.array([x if isinstance(x, mp.mpf) else mp.mpf(float(x)) for x in numbers], object)
 
 
-def _unit(vector: Vector) -> Vector:
-    return vector / mp.sqrt(vector @ vector)
+def unit(v: Vector) -> Vector:
+    """The unit vector along v."""
+    return v / mp.sqrt(v @ v)

@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 
 import lenstrace
 from lenstrace import Lens, RayStatus
-from lenstrace.sequential.reference import ReferenceRow, reference_launch, reference_trace
+from lenstrace.sequential.reference import ReferenceRow, reference_trace
+from lenstrace.sequential.reference_launch import reference_launch
 
 mp: Any = mpmath.mp
 POSITION, DIRECTION, PATH = 1e-11, 1e-13, 1e-11  # mm in a lens of 100 mm; without unit; mm in a lens of 100 mm

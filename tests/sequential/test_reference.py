@@ -11,7 +11,8 @@ import pytest
 
 import lenstrace
 from lenstrace import Lens, RayStatus
-from lenstrace.sequential.reference import reference_launch, reference_trace
+from lenstrace.sequential.reference import reference_trace
+from lenstrace.sequential.reference_launch import reference_launch
 
 mp: Any = mpmath.mp
 EXACT = 1e-45  # of 50 digits
