@@ -14,7 +14,6 @@ from lenstrace.analysis.conditions import require_pupil
 from lenstrace.errors import RayError
 from lenstrace.optics.rays import Ray
 from lenstrace.pytree import is_traced
-from lenstrace.sequential.build import DEGREE
 from lenstrace.sequential.document import Wavelengths
 from lenstrace.sequential.launch import launch
 from lenstrace.sequential.lens import Lens
@@ -37,7 +36,7 @@ def trace(
     """Rays through a lens, exactly.
 
     rays:        given in the frame of the first vertex (see `ray`); then field and pupil are not used.
-    field:       y, or (x, y), in the unit of the lens's fields (degrees or mm).
+    field:       y, or (x, y), in the unit of the lens's fields (degrees, or the file's length).
     pupil:       x and y, in units of the radius of the paraxial entrance pupil; of the stop with ray aiming.
                  Field and pupil broadcast to the shape of the result.
     wavelength:  micrometres, any that the glasses know; the primary one by default.
@@ -52,7 +51,7 @@ def trace(
         return _through(lens.system, _checked(rays), place, path)
     require_pupil(lens)
     x, y = field if isinstance(field, tuple) else (0.0, field)
-    scale = DEGREE if lens.fields.kind == "angle" else 1.0
+    scale = lens.fields.scale
     return _launched(lens.system, _floats(x, scale), _floats(y, scale), *map(_floats, pupil), place, path)
 
 

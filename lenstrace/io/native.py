@@ -62,9 +62,10 @@ def dumps(lens: Lens) -> str:
         document["source"] = lens.source
     document["aperture"] = {lens.aperture.kind: float(lens.aperture.value)}
     fields: dict[str, Any] = {"kind": lens.fields.kind}
+    scale = 1.0 if lens.fields.kind == "angle" else lens.fields.scale
     if any(lens.fields.x):
-        fields["x"] = [float(x) for x in lens.fields.x]
-    document["fields"] = fields | {"y": [float(y) for y in lens.fields.y]}
+        fields["x"] = [float(x) * scale for x in lens.fields.x]
+    document["fields"] = fields | {"y": [float(y) * scale for y in lens.fields.y]}
     waves = lens.wavelengths
     document["wavelengths"] = {
         "um": list(waves.um),

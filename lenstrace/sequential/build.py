@@ -11,11 +11,10 @@ import numpy as np
 
 from lenstrace.errors import LensTraceError, MediumError
 from lenstrace.pytree import is_traced
-from lenstrace.sequential.document import Document
+from lenstrace.sequential.document import DEGREE, Document
 from lenstrace.sequential.rows import Row
 from lenstrace.sequential.system import Interaction, Kind, Placement, System
 
-DEGREE = np.pi / 180
 # Slack in deciding that a tilt turns the axis beyond 90 degrees: a right angle itself does not.
 TURNED = -1e-9
 
@@ -29,7 +28,6 @@ def build_system(lens: Document) -> System:
     index = _indices(lens)
     # one list of powers for all aspheres, so that neighbours share a loop whatever terms they have
     powers = tuple(sorted({power for row in rows for power in row.powers}))
-    scale = DEGREE if lens.fields.kind == "angle" else 1.0
     return System(
         curvature=_stack(row.curvature for row in rows),
         conic=_stack(row.conic for row in rows),
@@ -41,7 +39,7 @@ def build_system(lens: Document) -> System:
         aperture=_table([row.aperture for row in rows], 2),
         object_distance=None if lens.object_distance is None else _number(lens.object_distance),
         stop_size=_number(lens.aperture.value),
-        fields=_table(list(zip(lens.fields.x, lens.fields.y, strict=True))) * scale,
+        fields=_table(list(zip(lens.fields.x, lens.fields.y, strict=True))) * lens.fields.scale,
         weights=_stack(lens.wavelengths.weights),
         kinds=tuple(_kind(row, index, i, powers) for i, row in enumerate(rows)),
         bends=tuple(row.mirror or _changes(index, i) for i, row in enumerate(lens.rows)),

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from lenstrace.pytree import pytree, static
 from lenstrace.sequential.rows import Number, Row
+
+DEGREE = math.pi / 180
+MM_PER_UNIT = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
 
 
 @pytree
@@ -23,17 +27,24 @@ class Aperture:
 class Fields:
     """The points that are imaged, F of them.
 
-    kind:  angle (x, y in degrees), object_height or image_height (x, y in mm).
+    kind:         angle (x, y in degrees), object_height or image_height (x, y in length_unit, that of the file).
+    length_unit:  mm, cm, m or in.
     """
 
     x: tuple[Number, ...]
     y: tuple[Number, ...]
     kind: str = static()
+    length_unit: str = static(default="mm")
 
     @property
     def unit(self) -> str:
-        """deg or mm."""
-        return "deg" if self.kind == "angle" else "mm"
+        """deg, or the unit of length."""
+        return "deg" if self.kind == "angle" else self.length_unit
+
+    @property
+    def scale(self) -> float:
+        """Radians in a degree, or mm in the unit of length."""
+        return DEGREE if self.kind == "angle" else MM_PER_UNIT[self.length_unit]
 
 
 @pytree

@@ -12,7 +12,7 @@ from lenstrace.errors import PrescriptionError
 from lenstrace.optics.apertures import ApertureKind
 from lenstrace.optics.glasses import glass
 from lenstrace.optics.media import AIR, AbbeModel, Constant, Medium, Table
-from lenstrace.sequential.document import Aperture, Fields, Wavelengths
+from lenstrace.sequential.document import MM_PER_UNIT, Aperture, Fields, Wavelengths
 from lenstrace.sequential.grammar import (
     AbbeKeys,
     FieldKeys,
@@ -26,7 +26,6 @@ from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.rows import Row
 from lenstrace.sequential.rules import check_lens
 
-MM_PER_UNIT = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
 PUBLISHED_LENGTHS = ("focal_length", "back_focal_length", "front_focal_length", "largest_spot")
 
 
@@ -95,7 +94,7 @@ def lens_from_keys(keys: Mapping[str, Any]) -> Lens:
         rows=tuple(_row(row, f"surface {number}", unit) for number, row in enumerate(written.lens.surfaces, 1)),
         image=_row(RowKeys(**written.image.model_dump(exclude_none=True)), "image", unit),
         aperture=Aperture(value, kind),
-        fields=_fields(written.fields, unit),
+        fields=_fields(written.fields, written.units),
         wavelengths=Wavelengths(
             tuple(waves.weights if waves.weights is not None else [1.0] * len(waves.um)),
             tuple(waves.um),
@@ -178,13 +177,12 @@ def _medium(name: str | None, index: float | IndexTable | None, abbe: AbbeKeys |
     return AIR if abbe is None else AbbeModel(abbe.nd, abbe.vd)
 
 
-def _fields(fields: FieldKeys, unit: float) -> Fields:
+def _fields(fields: FieldKeys, unit: str) -> Fields:
     if fields.x is None and fields.y is None:
         raise PrescriptionError("fields: at least one is needed, got none; an axial lens has y = [0]")
-    scale = 1.0 if fields.kind == "angle" else unit
     count = len(fields.y if fields.y is not None else fields.x or [])
     x, y = (values if values is not None else [0.0] * count for values in (fields.x, fields.y))
-    return Fields(tuple(v * scale for v in x), tuple(v * scale for v in y), fields.kind)
+    return Fields(tuple(x), tuple(y), fields.kind, unit)
 
 
 def _primary(waves: WavelengthKeys) -> int:

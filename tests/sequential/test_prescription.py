@@ -106,6 +106,15 @@ def test_units_scale_every_length() -> None:
     assert math.isclose(lens[1].asphere[4], 1e-3 / 25.4**3)  # type: ignore[arg-type]
     assert math.isclose(lens.aperture.value, 254)  # type: ignore[arg-type]
     assert lens.fields.y == (0, 5)
+    # heights of fields stay in the unit of the file, where a user reads and asks for them
+    near = text.replace("y = [0, 5]", 'y = [0, 5]\nkind = "object_height"').replace(
+        "[lens]", "[lens]\nobject_distance = 9"
+    )
+    lens = lenstrace.loads(near)
+    assert (lens.fields.y, lens.fields.unit, lens.object_distance) == ((0, 5), "in", 9 * 25.4)
+    ray = lenstrace.trace(lens, field=5.0)
+    assert np.isclose(float(ray.y[0] - ray.m[0] / ray.n[0] * 9 * 25.4), 5 * 25.4)
+    assert lenstrace.loads(lenstrace.dumps(lens)).fields.y == (0, 5 * 25.4)
 
 
 RICH = [
