@@ -90,5 +90,7 @@ def _crossing(system: System, height: jax.Array, position: jax.Array) -> jax.Arr
     length = jnp.hypot(height, position)
     zero = jnp.zeros_like(height)
     start = living(zero, height, zero, zero, sense * height / length, -sense * position / length)
-    end = trace(system, start, last=system.last_bend)
-    return jnp.where(end.has_course, end.z - end.y * end.n / end.m, jnp.nan)
+    # in the frame of the image, which breaks behind the last mirror have turned along the light
+    end = trace(system, start)
+    behind = jnp.sum(system.thickness[system.last_bend - 1 :])
+    return jnp.where(end.has_course, behind + end.z - end.y * end.n / end.m, jnp.nan)

@@ -70,6 +70,24 @@ def test_one_surface_between_two_media() -> None:
     assert_allclose(check.slope, 2, atol=2e-3)
 
 
+def test_newton_holds_around_a_fold() -> None:
+    # the light is turned by 90 degrees; the axis goes on along it
+    rows = [
+        {"radius": 60.0, "thickness": 5.0, "index": 1.5168, "stop": True},
+        {"radius": -60.0, "thickness": 30.0},
+        {"break": True, "tilt": [45.0, 0.0, 0.0]},
+        {"mirror": True},
+        {"break": True, "tilt": [45.0, 0.0, 0.0], "thickness": -26.0},
+    ]
+    lens = lenstrace.lens(rows, {"entrance_pupil_diameter": 4.0}, [0.0], [0.5876])
+    check = lenstrace.newton_check(lens)
+    assert np.abs(check.residual).max() < 1e-12
+    assert_allclose(check.slope, 2, atol=1e-2)
+    assert np.abs(check.real_residual[-1]).max() < 1e-3
+    # the image stands beside the fold, 26 mm off the axis, at the fold's own z
+    assert_allclose(lenstrace.overview(lens).total_track, 35, rtol=1e-12)
+
+
 def test_a_concave_mirror() -> None:
     # R = -100: the focus is 50 mm in front of the mirror; f' = n'/phi with n' = -1
     rows = [{"radius": -100.0, "thickness": -50.0, "mirror": True, "stop": True}]
