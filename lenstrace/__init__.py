@@ -32,8 +32,10 @@ from lenstrace.errors import (
 )
 from lenstrace.optics.glasses import glass
 from lenstrace.optics.rays import Ray, RayStatus
+from lenstrace.sequential.document import Aperture, Fields, Wavelengths
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.paraxial import FirstOrder
+from lenstrace.sequential.rows import Row
 from lenstrace.sequential.system import System
 
 if TYPE_CHECKING:
@@ -46,6 +48,8 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
+    "Aperture",
+    "Fields",
     "FirstOrder",
     "ImageError",
     "Lens",
@@ -58,10 +62,12 @@ __all__ = [
     "Ray",
     "RayError",
     "RayStatus",
+    "Row",
     "Spots",
     "System",
     "UnknownGlassError",
     "WavelengthError",
+    "Wavelengths",
     "dumps",
     "first_order",
     "glass",

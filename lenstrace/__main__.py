@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
+from typing import NoReturn
 
 from lenstrace import __version__
 from lenstrace.cli import draw, report, spots, trace
@@ -15,7 +16,7 @@ USAGE_ERROR = 2
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command; 0, or 2 after one line on standard error that says what is wrong."""
-    parser = argparse.ArgumentParser(
+    parser = _OneLineParser(
         prog="lenstrace", description="Trace lenses: first-order figures, spots, single rays, drawings."
     )
     parser.add_argument("--version", action="version", version=f"lenstrace {__version__}")
@@ -34,6 +35,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print("lenstrace: interrupted", file=sys.stderr)
         return 130
     return 0
+
+
+class _OneLineParser(argparse.ArgumentParser):
+    """Says what is wrong with the arguments in one line."""
+
+    def error(self, message: str) -> NoReturn:
+        """Exit with status 2."""
+        self.exit(USAGE_ERROR, f"{self.prog}: {message}; see {self.prog} --help\n")
 
 
 def _as_value(argument: str) -> str:

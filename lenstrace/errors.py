@@ -5,7 +5,7 @@
     |- MediumError           anything about refractive indices
     |  |- UnknownGlassError    no such name in the catalogues, or no such catalogue
     |  `- WavelengthError      a wavelength outside the range a medium is known for
-    |- RayError              rays that cannot be launched: an un-normalized direction, a pupil outside 1
+    |- RayError              rays that cannot be launched: an un-normalized direction, a field that is not a number
     |- LostRaysError         a question whose rays all fail
     `- ImageError            a question that needs an image, where the image is at infinity
 

@@ -15,16 +15,23 @@ from lenstrace.sequential.system import System
 def require_pupil(lens: Lens) -> None:
     """ImageError or PrescriptionError where rays cannot be launched, because the entrance pupil is not to be had.
 
-    A lens whose numbers JAX is tracing has passed this before.
+    While JAX traces the numbers of a lens nothing can be known of them, and nothing is raised.
     """
     found = _known(lens)
     if found is None:
         return
-    powerless, far, _ = found
+    powerless, far, image_far = found
     if lens.aperture.kind == "image_f_number" and powerless:
         raise ImageError(
             "aperture: image_f_number needs a focal length, and this lens is afocal (power 0); "
             "give entrance_pupil_diameter"
+        )
+    if lens.fields.kind == "image_height" and image_far:
+        raise ImageError("fields: image_height needs an image at a finite distance, and it is at infinity; give angles")
+    if far and lens.fields.kind == "angle" and lens.object_distance is not None:
+        raise PrescriptionError(
+            "fields: an angle of a near object is that of its chief ray, and the entrance pupil is at infinity: all "
+            "chief rays are parallel to the axis; give object_height"
         )
     if far and (lens.aperture.kind != "object_na" or lens.object_distance is None):
         raise PrescriptionError(

@@ -20,7 +20,10 @@ from lenstrace.sequential.trace import trace
 
 MAGNIFICATIONS = (-100.0, -10.0, -1.0, -0.1, -0.01, 0.01, 0.5, 2.0, 100.0)
 # Heights of the real rays in units of the paraxial radius of the entrance pupil.
-HEIGHTS = (0.02, 0.01, 0.005)
+HEIGHTS = (8e-3, 4e-3, 2e-3)
+
+# A residual below this many eps, times the longer of the two sides' magnifications, is rounding.
+ROUNDING = 1e4
 
 
 @pytree
@@ -32,7 +35,8 @@ class NewtonCheck:
     heights:                   (H,), of real rays on the first vertex plane.
     real_x_image, real_residual:  (H, M), of those rays; nan where a ray fails.
     expected:                  f f', mm^2.
-    slope:                     (M,), d log|residual| / d log height of the two lowest rays, 2 for an exact trace.
+    slope:                     (M,), d log|residual| / d log height of the two lowest rays, 2 for an exact trace;
+                               nan where the lowest residual is rounding (an image without spherical aberration).
     """
 
     magnification: jax.Array
@@ -69,6 +73,7 @@ def _newton(system: System) -> NewtonCheck:
     real = _crossing(primary, heights[:, None], position) - points.rear_focal_point
     real_residual = x_object * real / expected - 1
     low, lowest = jnp.abs(real_residual[-2]), jnp.abs(real_residual[-1])
+    rounding = lowest <= ROUNDING * jnp.finfo(dtype).eps * jnp.maximum(jnp.abs(m), 1 / jnp.abs(m))
     return NewtonCheck(
         magnification=m,
         x_object=x_object,
@@ -78,7 +83,7 @@ def _newton(system: System) -> NewtonCheck:
         real_x_image=real,
         real_residual=real_residual,
         expected=expected,
-        slope=jnp.log(low / lowest) / jnp.log(heights[-2] / heights[-1]),
+        slope=jnp.where(rounding, jnp.nan, jnp.log(low / lowest) / jnp.log(heights[-2] / heights[-1])),
     )
 
 
@@ -92,5 +97,5 @@ def _crossing(system: System, height: jax.Array, position: jax.Array) -> jax.Arr
     start = living(zero, height, zero, zero, sense * height / length, -sense * position / length)
     # in the frame of the image, which breaks behind the last mirror have turned along the light
     end = trace(system, start)
-    behind = jnp.sum(system.thickness[system.last_bend - 1 :])
+    behind = system.thickness[-1] + jnp.sum(jnp.where(paraxial.gaps_behind(system), system.thickness[:-1], 0))
     return jnp.where(end.has_course, behind + end.z - end.y * end.n / end.m, jnp.nan)

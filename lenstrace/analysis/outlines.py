@@ -32,6 +32,7 @@ class Placed(NamedTuple):
     rim: float
 
     def sag(self, height: np.ndarray) -> np.ndarray:
+        """Height above the vertex plane, mm, at signed distances from the axis; nan beyond the rim."""
         return np.asarray(self.shape.sag(jnp.asarray(height), jnp.zeros(len(height))))
 
     def points(self, height: np.ndarray, z: np.ndarray | None = None) -> np.ndarray:
@@ -42,6 +43,7 @@ class Placed(NamedTuple):
 
 
 def drawn_rows(lens: Lens) -> tuple[Row, ...]:
+    """Rows 1 ... S and the image."""
     return (*lens.rows, lens.image)
 
 
@@ -157,6 +159,7 @@ def _half_heights(hole: float, size: float) -> np.ndarray:
 
 
 def profile_of(surface: Placed, hole: float, size: float) -> np.ndarray:
+    """(N, 2) points of a surface from its lower edge to the upper one; a row of nan at a hole."""
     height = _half_heights(hole, size)
     upper, lower = surface.points(height), surface.points(-height[::-1])
     return np.concatenate([lower, np.full((1, 2), np.nan), upper] if hole else [lower, upper[1:]])

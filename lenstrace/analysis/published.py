@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import jax.numpy as jnp
 
 from lenstrace.analysis.cardinal import first_order, overview
 from lenstrace.analysis.spots import spots
+from lenstrace.errors import ImageError, LostRaysError
 from lenstrace.sequential.lens import Lens
 
 
@@ -24,13 +26,16 @@ class PublishedFigure(NamedTuple):
 def published_figures(lens: Lens) -> tuple[PublishedFigure, ...]:
     """Every figure of the [published] section of a lens, in its order; nothing where it has none.
 
-    The errors of `spots` where `largest_spot` is published and there are none.
+    A figure that cannot be computed is nan, and does not agree. In float32 the tolerance is at least its own.
     """
     values = dict(lens.published)
-    tolerance = values.pop("tolerance", 0.0)
+    tolerance = max(values.pop("tolerance", 0.0), 100 * float(jnp.finfo(lens.system.curvature.dtype).eps))
     found = []
     for name, published in values.items():
-        computed = _computed(lens, name)
+        try:
+            computed = _computed(lens, name)
+        except (ImageError, LostRaysError):
+            computed = math.nan
         bound = published if name == "largest_spot" else abs(published) * tolerance
         distance = computed if name == "largest_spot" else abs(computed - published)
         found.append(PublishedFigure(name, published, computed, bool(distance <= bound)))
@@ -45,6 +50,6 @@ def _computed(lens: Lens, name: str) -> float:
             return float(overview(lens).f_number)
         case "magnification":
             magnification = overview(lens).magnification
-            return float("nan") if magnification is None else float(magnification)
+            return math.nan if magnification is None else float(magnification)
         case _:
             return float(getattr(first_order(lens), name)[lens.wavelengths.primary])

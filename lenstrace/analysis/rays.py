@@ -17,11 +17,15 @@ from lenstrace.pytree import is_traced
 from lenstrace.sequential.document import Wavelengths
 from lenstrace.sequential.launch import launch
 from lenstrace.sequential.lens import Lens
+from lenstrace.sequential.rules import check_field
 from lenstrace.sequential.system import System
 from lenstrace.sequential.trace import trace as trace_system
 
 # A direction whose length differs from 1 by more than this is refused.
 UNIT_TOLERANCE = 1e-9
+# A given ray with a smaller direction cosine n runs against the light. Between this and 0 lie the rays that a lens
+# sees that looks at more than a half space.
+BACKWARD = -0.5
 
 
 def trace(
@@ -35,7 +39,8 @@ def trace(
 ) -> Ray:
     """Rays through a lens, exactly.
 
-    rays:        given in the frame of the first vertex (see `ray`); then field and pupil are not used.
+    rays:        given in the frame of the first vertex (see `ray`); then field and pupil are not used. A given ray
+                 with n < -1/2 runs against the light.
     field:       y, or (x, y), in the unit of the lens's fields (degrees, or the file's length).
     pupil:       x and y, in units of the radius of the paraxial entrance pupil; of the stop with ray aiming.
                  Field and pupil broadcast to the shape of the result.
@@ -51,6 +56,7 @@ def trace(
         return _through(lens.system, _checked(rays), place, path)
     require_pupil(lens)
     x, y = field if isinstance(field, tuple) else (0.0, field)
+    check_field(lens, x, y)
     scale = lens.fields.scale
     return _launched(lens.system, _floats(x, scale), _floats(y, scale), *map(_floats, pupil), place, path)
 
@@ -99,7 +105,8 @@ def _floats(value: ArrayLike, scale: float = 1.0) -> jax.Array | np.ndarray:
 def _through(system: System, rays: Ray, wavelength: int, path: bool) -> Ray:
     dtype = system.curvature.dtype
     rays = jax.tree.map(lambda a: a.astype(dtype) if jnp.issubdtype(a.dtype, jnp.floating) else a, rays)
-    return trace_system(system.at(wavelength), rays, path=path)
+    sense = jnp.where(rays.n < BACKWARD, -1.0, 1.0).astype(dtype)
+    return trace_system(system.at(wavelength), rays, path=path, sense=sense)
 
 
 @functools.partial(jax.jit, static_argnums=6)

@@ -34,10 +34,13 @@ class Spots:
 
     lost:          (F, W), rays that did not arrive; they count in no other figure.
     centroid_x, centroid_y, chief_x, chief_y:  (F, W). The chief ray goes through the centre of the pupil; an
-                   obscuration does not take it away. Where it fails otherwise its place is nan.
+                   obscuration does not take it away. Where it fails otherwise its place, and what is measured
+                   from it, is nan.
     rms_centroid:  (F, W), sqrt(mean((x - xc)^2 + (y - yc)^2)) about the centroid; rms_chief about the chief ray.
     largest:       (F, W), largest distance of a ray from the centroid.
     x, y, failure: (F, W, N), every ray; see `Ray.failure`.
+
+    A spot without any ray is an error (LostRaysError); under `jit`, where none can be raised, its sizes are nan.
     """
 
     lost: jax.Array
@@ -121,6 +124,8 @@ def statistics(
         return jnp.sum(jnp.where(alive, values, 0) * share, -1)
 
     centroid_x, centroid_y = mean(x), mean(y)
+    # no ray, no figure: 0 would look like a perfect spot to an optimizer that runs under jit
+    some = jnp.where(living > 0, 1.0, jnp.nan).astype(x.dtype)
     about_centroid = (x - centroid_x[..., None]) ** 2 + (y - centroid_y[..., None]) ** 2
     about_chief = (x - chief_x[..., None]) ** 2 + (y - chief_y[..., None]) ** 2
 
@@ -131,6 +136,7 @@ def statistics(
         return jnp.sum(jnp.where(alive, values, 0) * part, (-2, -1))
 
     pooled_x, pooled_y = pooled(x), pooled(y)
+    any_wave = jnp.where(jnp.sum(living, -1) > 0, 1.0, jnp.nan).astype(x.dtype)
     spread = pooled((x - pooled_x[..., None, None]) ** 2 + (y - pooled_y[..., None, None]) ** 2)
     chief = chief_x[:, primary, None, None], chief_y[:, primary, None, None]
     from_chief = pooled((x - chief[0]) ** 2 + (y - chief[1]) ** 2)
@@ -140,10 +146,10 @@ def statistics(
         centroid_y=centroid_y,
         chief_x=chief_x,
         chief_y=chief_y,
-        rms_centroid=_root(mean(about_centroid)),
-        rms_chief=_root(mean(about_chief)),
-        largest=_root(jnp.max(jnp.where(alive, about_centroid, 0), -1)),
-        polychromatic=Polychromatic(pooled_x, pooled_y, _root(spread), _root(from_chief)),
+        rms_centroid=_root(mean(about_centroid)) * some,
+        rms_chief=_root(mean(about_chief)) * some,
+        largest=_root(jnp.max(jnp.where(alive, about_centroid, 0), -1)) * some,
+        polychromatic=Polychromatic(pooled_x, pooled_y, _root(spread) * any_wave, _root(from_chief) * any_wave),
         x=x,
         y=y,
         failure=failure,

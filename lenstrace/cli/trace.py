@@ -42,7 +42,8 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.json:
         print_json({"surfaces": rows})
         return
-    wavelength = arguments.wavelength or lens.wavelengths.um[lens.wavelengths.primary]
+    waves = lens.wavelengths
+    wavelength = waves.um[waves.primary] if arguments.wavelength is None else arguments.wavelength
     px, py = arguments.pupil
     where = f"field ({x:g}, {y:g}) {lens.fields.unit}, pupil ({px:g}, {py:g}), {wavelength:g} um"
     title = f"{lens.name or arguments.design}: {where}"

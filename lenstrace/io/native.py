@@ -14,7 +14,7 @@ from tomlkit.items import InlineTable
 
 from lenstrace.errors import LensTraceError, PrescriptionError
 from lenstrace.optics.apertures import ApertureKind
-from lenstrace.optics.media import AbbeModel, Constant, Table
+from lenstrace.optics.media import AbbeModel, Air, Constant, Table
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.prescription import lens_from_keys
 from lenstrace.sequential.rows import Row
@@ -110,10 +110,9 @@ def _row_keys(row: Row) -> dict[str, Any]:
     if row.aperture_kind is not ApertureKind.NONE:
         numbers = [float(number) for number in row.aperture]
         keys["aperture"] = {row.aperture_kind.value: numbers if len(numbers) > 1 else numbers[0]}
-    if any(row.decenter):
-        keys["decenter"] = [float(value) for value in row.decenter]
-    if any(row.tilt):
-        keys["tilt"] = [float(value) for value in row.tilt]
+    for name, values in (("decenter", row.decenter), ("tilt", row.tilt)):
+        if values is not None:
+            keys[name] = [float(value) for value in values]
     if row.name:
         keys["name"] = row.name
     return keys
@@ -129,8 +128,10 @@ def _medium_keys(name: str | None, medium: Any) -> dict[str, Any]:
             return {"index": {"um": list(medium.um), "n": list(medium.n)}}
         case AbbeModel():
             return {"abbe": {"nd": float(medium.nd), "vd": float(medium.vd)}}
-        case _:
+        case Air():
             return {}
+        case _:
+            raise PrescriptionError(f"the medium {medium.name} stands in no catalogue; give it as an index to save it")
 
 
 def _inline(keys: dict[str, Any]) -> InlineTable:

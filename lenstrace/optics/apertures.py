@@ -15,7 +15,7 @@ class ApertureKind(enum.Enum):
     CIRCLE = "circle"  # passes r <= numbers[0]
     ANNULUS = "annulus"  # passes numbers[0] <= r <= numbers[1]
     RECTANGLE = "rectangle"  # passes |x| <= numbers[0] and |y| <= numbers[1]
-    OBSCURATION = "obscuration"  # passes r > numbers[0]
+    OBSCURATION = "obscuration"  # passes r >= numbers[0]
 
 
 def passes(kind: ApertureKind, numbers: jax.Array, x: jax.Array, y: jax.Array) -> jax.Array:

@@ -18,13 +18,24 @@ Source: Spencer & Murty, JOSA 52, 672 (1962), Eqs. (13)-(24), in another algebra
 
 from __future__ import annotations
 
+import enum
+
 import jax
 import jax.numpy as jnp
 
 from lenstrace.optics.vectors import Vector, safe_sqrt
 
 
-def refract(
+class Interaction(enum.Enum):
+    """What a surface does to light."""
+
+    REFRACT = "refract"
+    REFRACT_EITHER_SIGN = "refract, where n1 / n2 may be negative"
+    REFLECT = "reflect"
+
+
+def bend(
+    interaction: Interaction,
     direction: Vector,
     normal: Vector,
     normal_squared: jax.Array | float,
@@ -32,40 +43,30 @@ def refract(
     side: jax.Array,
     index_before: jax.Array,
     index_after: jax.Array,
-    either_sign: bool = False,
 ) -> tuple[Vector, jax.Array]:
-    """Direction after a refracting surface, and where there is one.
+    """Direction behind a surface, and where there is one.
 
     direction:      unit vector d1.        normal: N, any length.        normal_squared: |N|^2.
     cosine:         E = |N.d1| >= 0.       side: s = sign(N.d1), +1 or -1.
-    index_before, index_after:  n1, n2 relative to air; both positive or both negative, unless `either_sign`.
+    index_before, index_after:  n1, n2 relative to air; not used by a mirror.
     Returns d2 (d1 where totally reflected) and a mask, False at total internal reflection.
     """
+    if interaction is Interaction.REFLECT:
+        along = -2 * side * cosine / normal_squared
+        x, y, z = (d + along * n for d, n in zip(direction, normal, strict=True))
+        return (x, y, z), jnp.ones(along.shape, bool)
     mu = index_before / index_after
     # (n2 - n1)(n2 + n1) loses nothing when the indices are nearly equal, 1 - mu^2 would
     kappa = (index_after - index_before) * (index_after + index_before) / (index_after * index_after)
     inside = mu * mu * cosine * cosine + kappa * normal_squared
     transmitted = inside > 0
     root = safe_sqrt(inside)
-    if either_sign:
+    if interaction is Interaction.REFRACT_EITHER_SIGN:
         positive = mu > 0
         near = kappa / jnp.where(positive, mu * cosine + root, 1.0)
         along = jnp.where(positive, near, (root - mu * cosine) / normal_squared)
     else:
         along = kappa / (mu * cosine + root)
-    return _bent(direction, normal, mu, side * along, transmitted), transmitted
-
-
-def reflect(
-    direction: Vector, normal: Vector, normal_squared: jax.Array | float, cosine: jax.Array, side: jax.Array
-) -> Vector:
-    """Direction after a mirror; arguments as in `refract`."""
-    along = -2 * side * cosine / normal_squared
-    x, y, z = (d + along * component for d, component in zip(direction, normal, strict=True))
-    return x, y, z
-
-
-def _bent(direction: Vector, normal: Vector, mu: jax.Array, along: jax.Array, keep: jax.Array) -> Vector:
-    """mu d + along N where `keep`, else d."""
-    x, y, z = (jnp.where(keep, mu * d + along * n, d) for d, n in zip(direction, normal, strict=True))
-    return x, y, z
+    bent = (mu * d + side * along * n for d, n in zip(direction, normal, strict=True))
+    x, y, z = (jnp.where(transmitted, b, d) for b, d in zip(bent, direction, strict=True))
+    return (x, y, z), transmitted

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -9,14 +10,13 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from lenstrace.errors import LensTraceError, MediumError
+from lenstrace.errors import LensTraceError, MediumError, PrescriptionError
+from lenstrace.optics.interactions import Interaction
+from lenstrace.optics.media import Constant, Medium
 from lenstrace.pytree import is_traced
 from lenstrace.sequential.document import DEGREE, Document
 from lenstrace.sequential.rows import Row
-from lenstrace.sequential.system import Interaction, Kind, Placement, System
-
-# Slack in deciding that a tilt turns the axis beyond 90 degrees: a right angle itself does not.
-TURNED = -1e-9
+from lenstrace.sequential.system import Kind, Placement, System
 
 
 def build_system(lens: Document) -> System:
@@ -25,8 +25,16 @@ def build_system(lens: Document) -> System:
     Glass formulas are evaluated here: MediumError (WavelengthError) names the surface.
     """
     rows = (*lens.rows, lens.image)
-    index = _indices(lens)
-    # one list of powers for all aspheres, so that neighbours share a loop whatever terms they have
+    media = _media(lens)
+    index = _indices(lens, media)
+    if lens.aperture.kind == "object_na" and not is_traced((index, lens.aperture.value)):
+        limit = float(np.abs(index[:, 0]).min())
+        if lens.aperture.value >= limit:
+            got = f"{float(lens.aperture.value):g}"
+            raise PrescriptionError(
+                f"aperture: object_na must be below the index of the object space, {limit:g}, got {got}"
+            )
+    # one list of powers for all aspheres, so that they are one kind whatever terms they have
     powers = tuple(sorted({power for row in rows for power in row.powers}))
     return System(
         curvature=_stack(row.curvature for row in rows),
@@ -34,15 +42,17 @@ def build_system(lens: Document) -> System:
         coefficients=_table([[row.asphere.get(power, 0.0) for power in powers] for row in rows]),
         thickness=_stack(row.thickness for row in lens.rows),
         index=index,
-        decenter=_table([row.decenter for row in rows]),
-        tilt=_table([row.tilt for row in rows]) * DEGREE,
+        decenter=_table([row.decenter or (0.0, 0.0) for row in rows]),
+        tilt=_table([row.tilt or (0.0, 0.0, 0.0) for row in rows]) * DEGREE,
         aperture=_table([row.aperture for row in rows], 2),
         object_distance=None if lens.object_distance is None else _number(lens.object_distance),
         stop_size=_number(lens.aperture.value),
         fields=_table(list(zip(lens.fields.x, lens.fields.y, strict=True))) * lens.fields.scale,
         weights=_stack(lens.wavelengths.weights),
-        kinds=tuple(_kind(row, index, i, powers) for i, row in enumerate(rows)),
-        bends=tuple(row.mirror or _changes(index, i) for i, row in enumerate(lens.rows)),
+        kinds=tuple(
+            _kind(row, before, behind, powers)
+            for row, (before, behind) in zip(rows, itertools.pairwise((*media, media[-1])), strict=True)
+        ),
         stop=lens.stop,
         primary=lens.wavelengths.primary,
         aperture_kind=lens.aperture.kind,
@@ -51,11 +61,16 @@ def build_system(lens: Document) -> System:
     )
 
 
-def _indices(lens: Document) -> Any:
-    """(W, S + 1): the object space, then the medium behind each surface; a mirror repeats the one before."""
-    media = [("object space", lens.object_medium)]
+def _media(lens: Document) -> list[tuple[str, Medium]]:
+    """Where, and which: the object space, then the medium behind each surface; a mirror keeps the one before."""
+    media: list[tuple[str, Medium]] = [("object space", lens.object_medium)]
     for number, row in enumerate(lens.rows, 1):
         media.append(media[-1] if row.mirror else (f"surface {number}", row.medium))
+    return media
+
+
+def _indices(lens: Document, media: list[tuple[str, Medium]]) -> Any:
+    """(W, S + 1). Each medium is evaluated once."""
     known: dict[int, list[Any]] = {}
     for where, medium in media:
         if id(medium) in known:
@@ -65,45 +80,29 @@ def _indices(lens: Document) -> Any:
         except LensTraceError as error:
             raise type(error)(f"{where}: {error}") from None
         if any(not isinstance(n, jax.Array) and not (np.isfinite(n) and n != 0) for n in known[id(medium)]):
-            raise MediumError(
-                f"{where}: the index of {medium.name} must be finite and not 0, got {float(known[id(medium)][0]):g}"
-            )
+            got = float(known[id(medium)][0])
+            raise MediumError(f"{where}: the index of {medium.name} must be finite and not 0, got {got:g}")
     return _table([[known[id(medium)][w] for _, medium in media] for w in range(len(lens.wavelengths.um))])
 
 
-def _kind(row: Row, index: Any, place: int, powers: tuple[int, ...]) -> Kind:
-    """The structure of the surface at `place`, counted from 0; the image is the last and bends nothing."""
+def _kind(row: Row, before: tuple[str, Medium], behind: tuple[str, Medium], powers: tuple[int, ...]) -> Kind:
+    """The structure of a surface between two media."""
     interaction = Interaction.REFRACT
     if row.mirror:
         interaction = Interaction.REFLECT
-    elif is_traced(index) or (index[:, place] * index[:, min(place + 1, index.shape[1] - 1)] < 0).any():
+    elif _sign(before[1]) != 1 or _sign(behind[1]) != 1:
         interaction = Interaction.REFRACT_EITHER_SIGN
     placement = Placement.CENTRED
     if row.is_break:
         placement = Placement.BREAK
     elif row.is_posed:
         placement = Placement.POSED
-    return Kind(
-        powers if row.powers else (),
-        interaction,
-        row.aperture_kind,
-        placement,
-        placement is not Placement.CENTRED and _turns(row),
-    )
+    return Kind(powers if row.powers else (), interaction, row.aperture_kind, placement, row.turned)
 
 
-def _turns(row: Row) -> bool:
-    """True where a tilt turns the axis by more than 90 degrees; a traced tilt counts as small."""
-    if is_traced(row.tilt):
-        return False
-    return bool(np.prod(np.cos(np.array(row.tilt[:2], float) * DEGREE)) < TURNED)
-
-
-def _changes(index: Any, place: int) -> bool:
-    """True where the index before and behind a surface differ at any wavelength; traced indices count as different."""
-    if is_traced(index):
-        return True
-    return bool((index[:, place] != index[:, place + 1]).any())
+def _sign(medium: Medium) -> int:
+    """+1 for an index known to be positive, else -1: only a constant can be negative, or be traced and unknown."""
+    return 1 if not isinstance(medium, Constant) or (not is_traced(medium) and medium.n > 0) else -1
 
 
 def _number(value: Any) -> Any:

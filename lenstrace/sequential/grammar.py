@@ -170,26 +170,23 @@ def _explained(error: ValidationError) -> str:
     # an unknown key is often the reason why another one is missing
     first = min(error.errors(include_url=False), key=lambda each: each["type"] != "extra_forbidden")
     places = [place for place in first["loc"] if place not in _TAGS]
-    where, section = [], Prescription
-    for place in places[:-1]:
-        if isinstance(place, int) and where and where[-1] == "surfaces":
-            where[-1] = f"surface {place + 1}"
-        elif place != "lens" or places[1:2] != ["surfaces"]:
-            where.append(str(place))
-        section = _SECTIONS.get(str(place), section if isinstance(place, int) else _SECTIONS.get(str(place), section))
-    key = places[-1] if places else "file"
-    if isinstance(key, int):
-        where[-1:], key = (["surface"], key + 1) if where[-1:] == ["surfaces"] else ([*where[-1:]], f"value {key + 1}")
-        if where[-1:] == ["surface"]:
-            where, key = where[:-1], f"surface {key}"
-    prefix = "".join(f"{place}: " for place in where)
+    words: list[str] = []
+    for place in places:
+        if not isinstance(place, int):
+            words.append(str(place))
+        elif words[-1:] == ["surfaces"]:
+            words = [f"surface {place + 1}"]
+        else:
+            words.append(f"value {place + 1}")
+    key = words.pop() if words else "file"
+    prefix = "".join(f"{word}: " for word in words)
     if first["type"] == "extra_forbidden":
         keys = [field.alias or name for name, field in _keys_at(places[:-1]).model_fields.items()]
         near = difflib.get_close_matches(str(key), keys, 1, 0.5)
         advice = f"did you mean {near[0]!r}?" if near else f"known here: {', '.join(keys)}"
         return f"{prefix}unknown key {key!r}; {advice}"
     if first["type"] == "missing":
-        return f"{prefix}{key} is missing"
+        return f"{prefix}{key} is missing; it must be given"
     message = first["msg"][0].lower() + first["msg"][1:]
     return f"{prefix}{key}: {message}, got {first['input']!r}"
 

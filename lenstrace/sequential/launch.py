@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import jax
 import jax.numpy as jnp
 
@@ -41,7 +43,7 @@ def launch(
         return _through(system, primary, entrance, (fx, fy), (px, py))
 
     here = system.at(wavelength)
-    radius = _aimed_radius(system, primary, entrance)
+    radius, known = _aimed_radius(system, primary, entrance)
 
     def at_stop(shift: tuple[jax.Array, jax.Array], share: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
         ray = _shifted(system, primary, entrance, (share * fx, share * fy), shift)
@@ -55,7 +57,7 @@ def launch(
     shift, aimed = aim(at_stop, guess, fx)
     ray = _shifted(system, primary, entrance, (fx, fy), shift)
     lost = failure_code(0, RayStatus.NOT_CONVERGED)
-    return Ray(ray.x, ray.y, ray.z, ray.l, ray.m, ray.n, jnp.where(aimed, ray.failure, lost).astype(jnp.int32))
+    return dataclasses.replace(ray, failure=jnp.where(aimed & known, ray.failure, lost).astype(jnp.int32))
 
 
 def object_point(
@@ -146,14 +148,15 @@ def _shift_of(
     return dot(first, (x, y, z)), dot(second, (x, y, z))
 
 
-def _aimed_radius(system: System, primary: System, entrance: paraxial.Pupil) -> jax.Array:
+def _aimed_radius(system: System, primary: System, entrance: paraxial.Pupil) -> tuple[jax.Array, jax.Array]:
     """The radius of the stop that pupil coordinate 1 means, mm: given, or the height there of the real ray
-    of the axial point that enters at the top of the pupil, at the primary wavelength."""
+    of the axial point that enters at the top of the pupil, at the primary wavelength; and whether that ray arrives."""
     if system.aperture_kind == "stop_semi_diameter":
-        return paraxial.stop_radius(primary)
+        return paraxial.stop_radius(primary), jnp.ones((), bool)
     zero, one = jnp.zeros_like(entrance.position), jnp.ones_like(entrance.position)
     ray = _through(system, primary, entrance, (zero, zero), (zero, one))
-    return trace(primary, ray, last=system.stop).y
+    stop = trace(primary, ray, last=system.stop)
+    return stop.y, stop.has_course
 
 
 def _ray(point: Vector, direction: Vector) -> Ray:

@@ -11,11 +11,14 @@ import numpy as np
 from lenstrace.errors import LensTraceError, PrescriptionError
 from lenstrace.pytree import is_traced, pytree
 from lenstrace.sequential.build import build_system
-from lenstrace.sequential.document import Document
+from lenstrace.sequential.document import Aperture, Document, Fields, Wavelengths
 from lenstrace.sequential.rows import Row
 from lenstrace.sequential.rules import check_lens, check_row, number_of
 from lenstrace.sequential.system import System
 from lenstrace.sequential.table import html_table, text_table
+
+KINDS = {"aperture": Aperture, "fields": Fields, "wavelengths": Wavelengths, "image": Row}
+IMAGE_CAN = {"radius", "curvature", "conic", "asphere", "semi_diameter"}
 
 
 @pytree
@@ -81,6 +84,9 @@ class Lens(Document):
         for name in changes:
             if name not in known:
                 raise PrescriptionError(f"a lens has no {name!r}; to change a row say replace(surface=..., {name}=...)")
+        for name, kind in KINDS.items():
+            if not isinstance(changes.get(name, getattr(self, name)), kind):
+                raise PrescriptionError(f"{name} must be a lenstrace.{kind.__name__}, got {changes[name]!r}")
         changed = dataclasses.replace(self, **{"rows": tuple(rows), **changes})
         check_lens(changed)
         return changed
@@ -102,6 +108,8 @@ class Lens(Document):
             raise type(error)(f"{where}: {error}") from None
         check_row(row, where)
         if where == "image":
+            for name in set(changes) - IMAGE_CAN:
+                raise PrescriptionError(f"image: {name} cannot be given to the image surface; put it on a row before")
             return dataclasses.replace(self, image=row)
         rows = (*self.rows[: surface - 1], row, *self.rows[surface:])
         return self.replace(rows=rows)

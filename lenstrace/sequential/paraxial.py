@@ -10,6 +10,7 @@ Source: Welford, Aberrations of Optical Systems (1986), chapter 3; Born & Wolf, 
 
 from __future__ import annotations
 
+import dataclasses
 from typing import NamedTuple
 
 import jax
@@ -39,8 +40,9 @@ class Matrix(NamedTuple):
 class FirstOrder:
     """First-order figures at one wavelength (or arrays over several); lengths in mm, signed along +z.
 
-    Rear points are measured from the last vertex that bends light, front points from the first vertex. In an
-    afocal lens power is 0 and what lies at infinity is inf.
+    Rear points are measured from the last vertex that bends light, which stands at `rear_vertex` from the first
+    (along the unfolded axis); front points from the first vertex. In an afocal lens power is 0 and what lies at
+    infinity is inf.
     """
 
     power: jax.Array
@@ -52,6 +54,7 @@ class FirstOrder:
     front_principal_plane: jax.Array
     rear_nodal_point: jax.Array
     front_nodal_point: jax.Array
+    rear_vertex: jax.Array
 
     @property
     def back_focal_length(self) -> jax.Array:
@@ -81,16 +84,30 @@ def signed_index(system: System) -> jax.Array:
     return jnp.asarray(np.array(system.orientation, system.curvature.dtype)) * system.index
 
 
+def whole_matrix(system: System) -> Matrix:
+    """From in front of the first surface to behind the last one that bends; to the last where none does.
+
+    Which one that is follows from the numbers, so that it is the same when JAX traces them.
+    """
+    kept = jnp.append(jnp.where(gaps_behind(system), 0, system.thickness[:-1]), system.thickness[-1])
+    return matrix(dataclasses.replace(system, thickness=kept), 1, system.surfaces)
+
+
+def gaps_behind(system: System) -> jax.Array:
+    """(S - 1,) of bool: True for the gaps between the rows that no bending surface follows; none where none bends."""
+    bends = jnp.asarray(system.bends)
+    followed = jnp.flip(jnp.cumsum(jnp.flip(bends))) > 0
+    return ~followed[1:] & jnp.any(bends)
+
+
 def matrix(system: System, first: int, last: int, *, bend_last: bool = True) -> Matrix:
     """From in front of surface `first` to behind surface `last`, or to its plane before it bends.
 
-    Surfaces are numbered from 1; the system is at one wavelength. `last` < `first` gives the unit matrix.
+    Surfaces are numbered from 1; the system is at one wavelength.
     """
     dtype = system.curvature.dtype
     zero, one = jnp.zeros((), dtype), jnp.ones((), dtype)
     unit = Matrix(one, zero, zero, one, zero)
-    if last < first:
-        return unit
     index = signed_index(system)
     rows = slice(first - 1, last)
     power = (effective_curvature(system)[:-1] * (index[1:] - index[:-1]))[rows]
@@ -126,7 +143,7 @@ def first_order(system: System) -> FirstOrder:
     phi = -c, f' = N'/phi, f = -N/phi, F = N d / c, F' = -N' a / c, H = F - f, H' = F' - f', nodal points
     F + f' and F' + f.
     """
-    m = matrix(system, 1, system.last_bend)
+    m = whole_matrix(system)
     index = signed_index(system)
     before, after = index[0], index[-1]
     afocal = is_afocal(m)
@@ -149,6 +166,7 @@ def first_order(system: System) -> FirstOrder:
         front_principal_plane=at(before * (m.d - 1)),
         rear_nodal_point=at(before - after * m.a),
         front_nodal_point=at(before * m.d - after),
+        rear_vertex=jnp.sum(jnp.where(gaps_behind(system), 0, system.thickness[:-1])),
     )
 
 
@@ -225,7 +243,7 @@ def magnification(system: System) -> jax.Array:
 def image_slope(system: System) -> jax.Array:
     """w' behind the last surface of the axial ray that leaves a finite object with w = 1, or of the ray that
     enters parallel to the axis at y = 1; 0 where the image is at infinity."""
-    m = matrix(system, 1, system.last_bend)
+    m = whole_matrix(system)
     if system.object_distance is None:
         return jnp.where(is_afocal(m), 0.0, m.c)
     y = system.object_distance / signed_index(system)[0]
@@ -240,7 +258,7 @@ def image_distance(system: System, object_position: jax.Array) -> jax.Array:
     object_position: mm along +z from the first vertex; any shape. The ray is traced from the point itself,
     not found through the cardinal points.
     """
-    m = matrix(system, 1, system.last_bend)
+    m = whole_matrix(system)
     index = signed_index(system)
     y, w = -object_position / index[0], 1.0
     return -safe_divide((m.a * y + m.b * w) * index[-1], m.c * y + m.d * w)

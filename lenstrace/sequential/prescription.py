@@ -2,27 +2,28 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
 from pydantic import BaseModel
 
-from lenstrace.errors import PrescriptionError
-from lenstrace.optics.apertures import ApertureKind
-from lenstrace.optics.glasses import glass
-from lenstrace.optics.media import AIR, AbbeModel, Constant, Medium, Table
+from lenstrace.errors import LensTraceError, PrescriptionError
+from lenstrace.optics.media import AIR, Medium
 from lenstrace.sequential.document import MM_PER_UNIT, Aperture, Fields, Wavelengths
 from lenstrace.sequential.grammar import (
-    AbbeKeys,
     FieldKeys,
-    IndexTable,
+    ImageKeys,
+    LensKeys,
     PublishedKeys,
     RowKeys,
     WavelengthKeys,
     checked,
 )
 from lenstrace.sequential.lens import Lens
+from lenstrace.sequential.row_keys import medium_of
 from lenstrace.sequential.rows import Row
 from lenstrace.sequential.rules import check_lens
 
@@ -92,7 +93,7 @@ def lens_from_keys(keys: Mapping[str, Any]) -> Lens:
     waves = written.wavelengths
     made = Lens(
         rows=tuple(_row(row, f"surface {number}", unit) for number, row in enumerate(written.lens.surfaces, 1)),
-        image=_row(RowKeys(**written.image.model_dump(exclude_none=True)), "image", unit),
+        image=_row(written.image, "image", unit),
         aperture=Aperture(value, kind),
         fields=_fields(written.fields, written.units),
         wavelengths=Wavelengths(
@@ -100,7 +101,7 @@ def lens_from_keys(keys: Mapping[str, Any]) -> Lens:
             tuple(waves.um),
             _primary(waves),
         ),
-        object_medium=_medium(written.lens.object_glass, written.lens.object_index, None, "object space"),
+        object_medium=_object_medium(written.lens),
         object_distance=None if written.lens.object_distance == math.inf else written.lens.object_distance * unit,
         object_glass=written.lens.object_glass,
         ray_aiming=written.lens.ray_aiming,
@@ -120,61 +121,37 @@ def _published(written: PublishedKeys | None, unit: float) -> tuple[tuple[str, f
     return tuple((key, value * unit if key in PUBLISHED_LENGTHS else value) for key, value in given.items())
 
 
-def _row(row: RowKeys, where: str, unit: float) -> Row:
-    if row.radius is not None and row.curvature is not None:
-        raise PrescriptionError(f"{where}: both radius and curvature are given; write one of them")
-    if row.radius == 0:
-        raise PrescriptionError(
-            f"{where}: radius must not be 0, got {row.radius}; leave it out, or write inf, for a plane"
-        )
-    if row.mirror and (row.glass is not None or row.index is not None or row.abbe is not None):
+def _row(row: RowKeys | ImageKeys, where: str, unit: float) -> Row:
+    """A row out of its keys, scaled to mm."""
+    keys = {name: _plain(getattr(row, name)) for name in row.model_fields_set}
+    if keys.get("mirror") and {"glass", "index", "abbe"} & set(keys):
         raise PrescriptionError(f"{where}: a mirror keeps the medium before it; leave out its glass or index")
-    curvature = row.curvature if row.curvature is not None else (1 / row.radius if row.radius is not None else 0.0)
-    asphere = {_power(power, where): value for power, value in (row.asphere or {}).items()}
-    powers = tuple(sorted(asphere))
-    kind, numbers = ApertureKind.NONE, []
-    if row.aperture is not None:
-        key, numbers = _only_key(row.aperture, f"{where}: aperture")
-        kind = ApertureKind(key)
-        numbers = numbers if isinstance(numbers, list) else [numbers]
-        if kind in (ApertureKind.ANNULUS, ApertureKind.RECTANGLE):
-            _check_length(numbers, 2, f"{where}: aperture {key}")
-    decenter, tilt = row.decenter or [0.0, 0.0], row.tilt or [0.0, 0.0, 0.0]
-    _check_length(decenter, 2, f"{where}: decenter")
-    _check_length(tilt, 3, f"{where}: tilt")
-    return Row(
-        curvature=curvature / unit,
-        thickness=row.thickness * unit,
-        conic=row.conic,
-        coefficients=tuple(asphere[power] * unit ** (1 - power) for power in powers),
-        decenter=(decenter[0] * unit, decenter[1] * unit),
-        tilt=(tilt[0], tilt[1], tilt[2]),
-        aperture=tuple(number * unit for number in numbers),
-        medium=AIR if row.mirror else _medium(row.glass, row.index, row.abbe, where),
-        powers=powers,
-        aperture_kind=kind,
-        glass=row.glass,
-        mirror=row.mirror,
-        stop=row.stop,
-        is_break=row.is_break,
-        semi_diameter=None if row.semi_diameter is None else row.semi_diameter * unit,
-        name=row.name,
-    )
-
-
-def _medium(name: str | None, index: float | IndexTable | None, abbe: AbbeKeys | None, where: str) -> Medium:
-    if sum(value is not None for value in (name, index, abbe)) > 1:
-        raise PrescriptionError(f"{where}: write one of glass, index and abbe, got more than one")
+    for name in ("radius", "thickness", "semi_diameter"):
+        if name in keys:
+            keys[name] *= unit
+    if "curvature" in keys:
+        keys["curvature"] /= unit
+    if "decenter" in keys:
+        keys["decenter"] = [value * unit for value in keys["decenter"]]
+    if "aperture" in keys:
+        sizes = {key: np.multiply(value, unit).tolist() for key, value in keys["aperture"].items()}
+        keys["aperture"] = sizes
     try:
-        if name is not None:
-            return glass(name)
-        if isinstance(index, IndexTable):
-            return Table(tuple(index.um), tuple(index.n))
-    except ValueError as error:
+        made = Row().replace(**keys)
+    except LensTraceError as error:
         raise type(error)(f"{where}: {error}") from None
-    if index is not None:
-        return Constant(index)
-    return AIR if abbe is None else AbbeModel(abbe.nd, abbe.vd)
+    scaled = tuple(a * unit ** (1 - power) for power, a in made.asphere.items())
+    return dataclasses.replace(made, coefficients=scaled)
+
+
+def _object_medium(keys: LensKeys) -> Medium:
+    index = _plain(keys.object_index)
+    if index is not None and keys.object_glass is not None:
+        raise PrescriptionError("lens: both object_glass and object_index are given; write one of them")
+    try:
+        return AIR if index is None and keys.object_glass is None else medium_of(index, name=keys.object_glass)
+    except LensTraceError as error:
+        raise type(error)(f"object space: {error}") from None
 
 
 def _fields(fields: FieldKeys, unit: str) -> Fields:
@@ -193,11 +170,9 @@ def _primary(waves: WavelengthKeys) -> int:
     return waves.um.index(waves.primary)
 
 
-def _power(key: Any, where: str) -> int:
-    text = str(key)
-    if not text.isdecimal() or int(text) < 1:
-        raise PrescriptionError(f"{where}: asphere: a key is the power of r, a positive integer such as 4, got {key!r}")
-    return int(text)
+def _plain(value: Any) -> Any:
+    """A section as a dict, anything else as it is."""
+    return value.model_dump(exclude_none=True) if isinstance(value, BaseModel) else value
 
 
 def _only_key(section: BaseModel, where: str) -> tuple[str, Any]:
@@ -206,8 +181,3 @@ def _only_key(section: BaseModel, where: str) -> tuple[str, Any]:
         got = " and ".join(given) or "none"
         raise PrescriptionError(f"{where}: exactly one of {', '.join(type(section).model_fields)} is needed, got {got}")
     return next(iter(given.items()))
-
-
-def _check_length(values: list[float], length: int, what: str) -> None:
-    if len(values) != length:
-        raise PrescriptionError(f"{what} takes {length} numbers, got {values}")

@@ -70,7 +70,7 @@ def _course(lens: Lens, point: Vector, direction: Vector, wavelength_place: int 
     n = indices_of(lens, wavelength_place)
     yield _row(0, point, direction, opl, status)
     for number, row in enumerate((*lens.rows, lens.image), 1):
-        turn, shift = _turn(row), vector(*row.decenter, 0)
+        turn, shift = _turn(row), vector(*(row.decenter or (0, 0)), 0)
         point, direction = turn.T @ (point - shift), turn.T @ direction
         turned = -1 if turn[2, 2] < TURNED else 1
         distance = _crossing(row, point, direction, sense * turned)
@@ -113,7 +113,8 @@ def indices_of(lens: Lens, wavelength_place: int | None) -> list[Number]:
 def _turn(row: Row) -> Any:
     """Rotation about z, then y, then x, each right-handed: turns a vector with the surface."""
     (cx, sx), (cy, sy), (cz, sz) = (
-        (mp.cos(angle), mp.sin(angle)) for angle in (mp.radians(mp.mpf(float(degrees))) for degrees in row.tilt)
+        (mp.cos(angle), mp.sin(angle))
+        for angle in (mp.radians(mp.mpf(float(degrees))) for degrees in row.tilt or (0, 0, 0))
     )
     about_x = np.array([[1, 0, 0], [0, cx, -sx], [0, sx, cx]], object)
     about_y = np.array([[cy, 0, sy], [0, 1, 0], [-sy, 0, cy]], object)

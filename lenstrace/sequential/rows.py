@@ -10,12 +10,11 @@ import jax
 
 from lenstrace.errors import PrescriptionError
 from lenstrace.optics.apertures import ApertureKind
-from lenstrace.optics.glasses import glass
-from lenstrace.optics.media import AIR, Constant, Medium
+from lenstrace.optics.media import AIR, Medium
 from lenstrace.pytree import is_traced, pytree, static
+from lenstrace.sequential.row_keys import KEYS, row_fields
 
 Number = float | jax.Array
-APERTURE_KEYS = ", ".join(kind.value for kind in ApertureKind if kind is not ApertureKind.NONE)
 
 
 @pytree
@@ -26,10 +25,11 @@ class Row:
     thickness:     mm along z to the next vertex, negative after an odd number of mirrors.
     medium:        what follows the surface; a mirror keeps the medium before it.
     coefficients:  asphere terms, mm^(1 - p), one for each of the static `powers` p.
-    decenter:      mm, x and y.                  tilt: degrees, about x, y, z.
+    decenter:      mm, x and y.                  tilt: degrees, about x, y, z; None where nothing is written.
     aperture:      numbers of the aperture, mm (see `ApertureKind`).
     glass:         the glass as it was written, for the table and the file; None for an index given by numbers.
     is_break:      decentre and tilt move all that follows, not this surface alone.
+    turned:        the tilt turns the axis by more than 90 degrees; kept while JAX traces the tilt.
     semi_diameter: mm, drawn only.
     """
 
@@ -37,8 +37,8 @@ class Row:
     thickness: Number = 0.0
     conic: Number = 0.0
     coefficients: tuple[Number, ...] = ()
-    decenter: tuple[Number, Number] = (0.0, 0.0)
-    tilt: tuple[Number, Number, Number] = (0.0, 0.0, 0.0)
+    decenter: tuple[Number, Number] | None = None
+    tilt: tuple[Number, Number, Number] | None = None
     aperture: tuple[Number, ...] = ()
     medium: Medium = AIR
     powers: tuple[int, ...] = static(default=())
@@ -47,6 +47,7 @@ class Row:
     mirror: bool = static(default=False)
     stop: bool = static(default=False)
     is_break: bool = static(default=False)
+    turned: bool = static(default=False)
     semi_diameter: float | None = static(default=None)
     name: str = static(default="")
 
@@ -62,49 +63,27 @@ class Row:
 
     @property
     def material(self) -> str:
-        """What the table says of the medium."""
-        return "mirror" if self.mirror else self.glass or self.medium.name
+        """What the table says of the medium: a glass with the catalogue it was taken from."""
+        if self.mirror or self.glass is None:
+            return "mirror" if self.mirror else self.medium.name
+        catalog = getattr(self.medium, "catalog", "")
+        return self.glass if not catalog or ":" in self.glass else f"{self.glass} ({catalog})"
 
     @property
     def is_posed(self) -> bool:
         """True where a decentre or a tilt is written."""
-        return not all(is_zero(value) for value in (*self.decenter, *self.tilt))
+        return self.decenter is not None or self.tilt is not None
 
     def replace(self, **changes: Any) -> Row:
         """A copy with some fields changed, by their names here or by the keys of the file: radius (mm), glass,
-        index, asphere (a dict of power to coefficient), aperture (a dict such as {"circle": 9.5}).
-        PrescriptionError or UnknownGlassError for what a row cannot have."""
-        return dataclasses.replace(self, **_fields_of(changes))
-
-
-def _fields_of(changes: dict[str, Any]) -> dict[str, Any]:
-    """Fields of a Row out of the words a user may change it by."""
-    fields = dict(changes)
-    if "radius" in fields:
-        radius = fields.pop("radius")
-        if is_zero(radius):
-            raise PrescriptionError("radius must not be 0; a plane has radius inf, or curvature 0")
-        fields["curvature"] = 1 / radius
-    if "asphere" in fields:
-        terms = sorted(fields.pop("asphere").items())
-        fields["powers"] = tuple(int(power) for power, _ in terms)
-        fields["coefficients"] = tuple(coefficient for _, coefficient in terms)
-    if "glass" in fields:
-        fields["medium"] = AIR if fields["glass"] is None else glass(fields["glass"])
-    if "index" in fields:
-        fields |= {"medium": Constant(fields.pop("index")), "glass": None}
-    if isinstance(fields.get("aperture"), dict):
-        (kind, numbers), *more = fields["aperture"].items() or [("none", ())]
-        if more or kind not in {kind.value for kind in ApertureKind}:
-            raise PrescriptionError(f"aperture takes one of {APERTURE_KEYS}, got {fields['aperture']}")
-        fields["aperture_kind"] = ApertureKind(kind)
-        fields["aperture"] = tuple(numbers) if isinstance(numbers, (list, tuple)) else (numbers,)
-    known = {field.name for field in dataclasses.fields(Row)}
-    for name in fields:
-        if name not in known:
-            choices = ", ".join(sorted(known | {"radius", "asphere", "index"}))
-            raise PrescriptionError(f"a surface has no {name!r}; it has {choices}")
-    return fields
+        index, abbe, asphere (a dict of power to coefficient), aperture (a dict such as {"circle": 9.5}), break.
+        PrescriptionError, MediumError or UnknownGlassError for what a surface cannot have."""
+        fields = row_fields(changes)
+        known = {field.name for field in dataclasses.fields(self)}
+        for name in fields:
+            if name not in known:
+                raise PrescriptionError(f"a surface has no {name!r}; it has {', '.join(sorted({*known, *KEYS}))}")
+        return dataclasses.replace(self, **fields)
 
 
 def is_zero(value: Number) -> bool:

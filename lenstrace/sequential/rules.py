@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
+
 from lenstrace.errors import PrescriptionError
 from lenstrace.optics.apertures import ApertureKind
 from lenstrace.pytree import is_traced
@@ -46,7 +48,7 @@ def check_row(row: Row, where: str) -> None:
             raise PrescriptionError(f"{where}: asphere power must be a positive integer, got {power}")
         _check_finite(coefficient, f"{where}: asphere term {power}")
     for name in ("decenter", "tilt", "aperture"):
-        for value in getattr(row, name):
+        for value in getattr(row, name) or ():
             _check_finite(value, f"{where}: {name}")
     if row.semi_diameter is not None and not (math.isfinite(row.semi_diameter) and row.semi_diameter > 0):
         raise PrescriptionError(
@@ -97,17 +99,22 @@ def _check_fields(lens: Document) -> None:
         raise PrescriptionError(
             "fields: object_height needs an object at a finite distance; give [lens] object_distance, or kind angle"
         )
-    if fields.kind != "angle":
+    for x, y in zip(fields.x, fields.y, strict=True):
+        check_field(lens, x, y)
+
+
+def check_field(lens: Document, x: Any, y: Any) -> None:
+    """PrescriptionError for angles that are none; x and y in degrees, numbers or arrays."""
+    if lens.fields.kind != "angle" or is_traced((x, y)):
         return
     limit = 180 if lens.object_distance is None else 90
-    for x, y in zip(fields.x, fields.y, strict=True):
-        if not is_traced(x) and not is_traced(y):
-            if max(abs(x), abs(y)) >= limit:
-                raise PrescriptionError(f"fields: an angle must be below {limit} degrees, got ({x:g}, {y:g})")
-            if max(abs(x), abs(y)) >= 90 and min(abs(x), abs(y)) > 0:
-                raise PrescriptionError(
-                    f"fields: at 90 degrees and beyond a field lies in x or in y alone, got ({x:g}, {y:g})"
-                )
+    for a, b in zip(*(each.flat for each in np.broadcast_arrays(np.asarray(x), np.asarray(y))), strict=True):
+        if max(abs(a), abs(b)) >= limit:
+            raise PrescriptionError(f"fields: an angle must be below {limit} degrees, got ({a:g}, {b:g})")
+        if max(abs(a), abs(b)) >= 90 and min(abs(a), abs(b)) > 0:
+            raise PrescriptionError(
+                f"fields: at 90 degrees and beyond a field lies in x or y alone, got ({a:g}, {b:g})"
+            )
 
 
 def _check_wavelengths(lens: Document) -> None:

@@ -7,17 +7,11 @@ import enum
 from typing import Any
 
 import jax
+import numpy as np
 
 from lenstrace.optics.apertures import ApertureKind
+from lenstrace.optics.interactions import Interaction
 from lenstrace.pytree import pytree, static
-
-
-class Interaction(enum.Enum):
-    """What a surface does to light."""
-
-    REFRACT = "refract"
-    REFRACT_EITHER_SIGN = "refract, where n1 / n2 may be negative"
-    REFLECT = "reflect"
 
 
 class Placement(enum.Enum):
@@ -30,7 +24,7 @@ class Placement(enum.Enum):
 
 @dataclasses.dataclass(frozen=True)
 class Kind:
-    """The structure of one surface: what its compiled program contains. Equal neighbours share a loop.
+    """The structure of one surface: what its compiled program contains. Surfaces of one kind share it.
 
     powers: powers of r of its asphere terms, empty for a conic.
     turned: its tilt turns the axis by more than 90 degrees, so that light crosses it the other way.
@@ -59,8 +53,8 @@ class System:
     fields:           (F, 2), radians or mm: see `field_kind`.
     weights:          (W,) of the wavelengths.
 
-    Static: the kind of every surface, which surfaces bend, the number of the stop (1 ... S), the place of the
-    primary wavelength, what stop_size and fields mean, and whether rays are aimed at the stop.
+    Static: the kind of every surface, the number of the stop (1 ... S), the place of the primary wavelength, what
+    stop_size and fields mean, and whether rays are aimed at the stop.
     """
 
     curvature: jax.Array
@@ -76,7 +70,6 @@ class System:
     fields: jax.Array
     weights: jax.Array
     kinds: tuple[Kind, ...] = static()
-    bends: tuple[bool, ...] = static()
     stop: int = static()
     primary: int = static()
     aperture_kind: str = static()
@@ -89,9 +82,11 @@ class System:
         return len(self.kinds) - 1
 
     @property
-    def last_bend(self) -> int:
-        """Number of the last surface that bends light; the last row where none does."""
-        return max((i + 1 for i, bends in enumerate(self.bends) if bends), default=self.surfaces)
+    def bends(self) -> Any:
+        """(S,) of bool: True where a surface bends light: a mirror, or another index behind it than before."""
+        mirror = np.array([kind.interaction is Interaction.REFLECT for kind in self.kinds[:-1]])
+        changes = self.index[..., 1:] != self.index[..., :-1]
+        return mirror | (changes.any(0) if changes.ndim == 2 else changes)
 
     @property
     def orientation(self) -> tuple[int, ...]:

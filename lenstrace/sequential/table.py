@@ -111,9 +111,9 @@ def _remarks(row: Any, first: str = "") -> str:
         parts.append(f"{row.aperture_kind.value} {', '.join(map(_plain, row.aperture))} mm")
     if row.is_break:
         parts.append("break")
-    if any(not _is_zero(value) for value in row.decenter):
+    if row.decenter is not None:
         parts.append(f"decenter {', '.join(map(_plain, row.decenter))} mm")
-    if any(not _is_zero(value) for value in row.tilt):
+    if row.tilt is not None:
         parts.append(f"tilt {', '.join(map(_plain, row.tilt))} deg")
     return "; ".join(part for part in parts if part)
 

@@ -24,18 +24,15 @@ from jax import lax
 
 from lenstrace.optics.apertures import ApertureKind, passes
 from lenstrace.optics.frames import Pose
-from lenstrace.optics.interactions import reflect, refract
+from lenstrace.optics.interactions import bend
 from lenstrace.optics.rays import Ray, RayStatus, advance, failure_code
 from lenstrace.optics.shapes.asphere import Asphere
 from lenstrace.optics.shapes.conic import Conic
-from lenstrace.sequential.system import Interaction, Kind, Placement, System
+from lenstrace.sequential.system import Kind, Placement, System
 
 # A ray flatter than this against the vertex plane is not brought to that plane before a crossing but to its
 # point nearest the vertex: the plane may be far away, or nowhere.
 FLAT = 0.25
-# A ray that starts with a direction cosine below this runs backward: it is traced against the light. Between it
-# and 0 lie the fields of a lens that sees more than a half space.
-BACKWARD = -0.5
 
 
 class Record(NamedTuple):
@@ -56,20 +53,22 @@ class Record(NamedTuple):
     tilt: Any
 
 
-def trace(system: System, ray: Ray, *, last: int | None = None, path: bool = False) -> Ray:
+def trace(system: System, ray: Ray, *, last: int | None = None, path: bool = False, sense: Any = 1.0) -> Ray:
     """Rays through surfaces 1 ... last of a system at one wavelength.
 
     system:  `index` of shape (S + 1,), see `System.at`.
     ray:     in the frame of the first vertex, any shape; its optical path is traced if `ray.opl` is not None.
     last:    number of the surface to stop behind; None is the image.
     path:    give every surface instead of the last one: a leading axis, 0 the rays as launched, then one a surface.
+    sense:   +1, or -1 for rays that run against the light; of the shape of the rays or a scalar. It is not read off
+             the direction: light of a field beyond 90 degrees enters a lens with n < 0.
 
     Returns the rays in the frame of the surface (position on it, mm; direction after it; optical path from the
     launch point to it, mm). Failed rays carry the first failure and go on with finite numbers.
     """
     last = len(system.kinds) if last is None else last
     records = _records(system, last)
-    forward = jnp.where(ray.n < BACKWARD, -1, 1).astype(ray.n.dtype)
+    forward = jnp.broadcast_to(jnp.asarray(sense, ray.n.dtype), ray.n.shape)
     start = ray if ray.opl is None else _replace_opl(ray, ray.opl - forward * system.index[0] * ray.z)
     kinds = tuple(dict.fromkeys(system.kinds[:last]))
     branch = np.array([kinds.index(kind) for kind in system.kinds[:last]], np.int32)
@@ -123,12 +122,10 @@ def cross(ray: Ray, record: Record, kind: Kind, forward: jax.Array) -> tuple[Ray
         clipped = ~passes(kind.aperture, record.aperture, x, y)
         failure = jnp.where((failure == 0) & clipped, failure_code(record.number, RayStatus.CLIPPED), failure)
     geometry = (direction, crossing.normal, crossing.normal_squared, crossing.cosine, side)
-    if kind.interaction is Interaction.REFLECT:
-        l, m, n = reflect(*geometry)
-    else:
-        either_sign = kind.interaction is Interaction.REFRACT_EITHER_SIGN
-        (l, m, n), transmitted = refract(*geometry, record.index_before, record.index_after, either_sign)
-        failure = jnp.where((failure == 0) & ~transmitted, failure_code(record.number, RayStatus.TIR), failure)
+    bent, transmitted = bend(kind.interaction, *geometry, record.index_before, record.index_after)
+    # a ray that met nothing goes straight on
+    l, m, n = (jnp.where(crossing.status == 0, new, old) for new, old in zip(bent, direction, strict=True))
+    failure = jnp.where((failure == 0) & ~transmitted, failure_code(record.number, RayStatus.TIR), failure)
     failure = jnp.where(ray.failure == 0, failure, ray.failure).astype(ray.failure.dtype)
 
     bent = Ray(x, y, z, l, m, n, failure, ray.opl)

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from lenstrace.optics.interactions import reflect, refract
+from lenstrace.optics.interactions import Interaction
+from lenstrace.optics.interactions import bend as law
 
 
 def random_geometry(count: int = 500) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -22,7 +23,8 @@ def bend(direction, normal, cosine, side, n1, n2):
     vectors = (tuple(map(jnp.asarray, v)) for v in (direction, normal))
     squared = jnp.asarray((np.asarray(normal) ** 2).sum(0))
     scalars = (jnp.asarray(v) for v in (cosine, side, float(n1), float(n2)))
-    return refract(*vectors, squared, *scalars, either_sign=n1 * n2 < 0)
+    kind = Interaction.REFRACT_EITHER_SIGN if n1 * n2 < 0 else Interaction.REFRACT
+    return law(kind, *vectors, squared, *scalars)
 
 
 @pytest.mark.parametrize(
@@ -70,7 +72,11 @@ def test_law_of_reflection() -> None:
     direction, normal, cosine, side = random_geometry()
     squared = (normal**2).sum(0)
     arguments = (tuple(map(jnp.asarray, v)) for v in (direction, normal))
-    mirrored = np.asarray(reflect(*arguments, *(jnp.asarray(v) for v in (squared, cosine, side))))
+    one = jnp.ones(())
+    scalars = (jnp.asarray(v) for v in (squared, cosine, side))
+    bent, kept = law(Interaction.REFLECT, *arguments, *scalars, one, one)
+    mirrored = np.asarray(bent)
+    assert np.asarray(kept).all()
     expected = direction - 2 * (direction * normal).sum(0) / squared * normal
     assert_allclose(mirrored, expected, atol=2e-14)
     assert_allclose(np.linalg.norm(mirrored, axis=0), 1, rtol=1e-14)
@@ -97,7 +103,7 @@ def test_either_sign_serves_positive_indices_too() -> None:
     direction, normal, cosine, side = random_geometry()
     vectors = (tuple(map(jnp.asarray, v)) for v in (direction, normal))
     scalars = [jnp.asarray((normal**2).sum(0)), *(jnp.asarray(v) for v in (cosine, side, 1.0, 1.7))]
-    general, _ = refract(*vectors, *scalars, either_sign=True)
+    general, _ = law(Interaction.REFRACT_EITHER_SIGN, *vectors, *scalars)
     assert_allclose(general, bend(direction, normal, cosine, side, 1.0, 1.7)[0], atol=1e-15)
 
 
@@ -105,8 +111,15 @@ def test_derivative_by_index_is_finite_at_total_reflection() -> None:
     def component(n2: jax.Array) -> jax.Array:
         zero, sine = jnp.zeros(()), jnp.asarray(0.9)
         cosine = jnp.sqrt(1 - sine**2)
-        bent, _ = refract(
-            (zero, sine, cosine), (zero, zero, jnp.ones(())), 1.0, cosine, jnp.ones(()), jnp.asarray(1.5), n2
+        bent, _ = law(
+            Interaction.REFRACT,
+            (zero, sine, cosine),
+            (zero, zero, jnp.ones(())),
+            1.0,
+            cosine,
+            jnp.ones(()),
+            jnp.asarray(1.5),
+            n2,
         )
         return bent[1] + bent[2]
 

@@ -47,7 +47,7 @@ MISTAKES = {
     "radius = 50,|radius = 0,": ["surface 1: radius must not be 0"],
     'radius = 50,|radius = "50",': ["surface 1: radius", "number", "'50'"],
     "radius = 50,|radius = 50, curvature = 1,": ["surface 1: both radius and curvature"],
-    'glass = "N-BK7"|glass = "N-BK7", index = 1.5': ["surface 1", "one of glass, index and abbe"],
+    'glass = "N-BK7"|glass = "N-BK7", index = 1.5': ["surface 1", "one of glass, index, abbe"],
     'glass = "N-BK7"|index = 0': ["surface 1", "index", "not 0"],
     'glass = "N-BK7"|index = { um = [0.5, 0.6], n = [1.5] }': ["surface 1", "1 n and 2 um"],
     'glass = "N-BK7"|abbe = { nd = 1.5 }': ["surface 1: abbe: vd is missing"],
@@ -180,9 +180,29 @@ def test_rows_are_edited_by_the_words_of_the_file() -> None:
         ({"surface": 1, "glass": "N-BK8"}, "surface 1: glass 'N-BK8'"),
         ({"curvature": [1.0]}, "1 values for 2 surfaces"),
         ({"radius": 5.0}, "replace(surface="),
+        ({"surface": 1, "tilt": (1.0,)}, "surface 1: tilt takes 3 numbers"),
+        ({"surface": 1, "curvature": None}, "surface 1: curvature must be a number"),
+        ({"surface": 1, "radius": 5.0, "curvature": 0.1}, "surface 1: both radius and curvature"),
+        ({"surface": 3, "tilt": (1.0, 0.0, 0.0)}, "image: tilt"),
+        ({"wavelengths": [0.5]}, "wavelengths must be"),
     ]:
         with pytest.raises(LensTraceError, match=words.replace("(", r"\(")):
             lens.replace(**mistake)  # type: ignore[arg-type]
+
+
+def test_a_changed_medium_is_saved_as_it_is_traced() -> None:
+    lens = lenstrace.loads(FILE)
+    for medium in (lenstrace.glass("CDGM:F2"), lenstrace.optics.media.Constant(1.9)):
+        changed = lens.replace(surface=1, medium=medium)
+        again = lenstrace.loads(lenstrace.dumps(changed))
+        assert again.system.index[0, 1] == changed.system.index[0, 1] == medium.index(0.55)
+    assert "SF5 (SCHOTT)" in repr(lens.replace(surface=1, glass="SF5"))
+
+
+def test_whole_numbers_are_numbers() -> None:
+    lens = lenstrace.loads(FILE).replace(surface=1, thickness=9, conic=0)
+    slope = jax.grad(lambda each: lenstrace.overview(each).total_track)(lens)
+    assert [float(row.thickness) for row in slope.rows] == [1, 1]
 
 
 def test_the_table_says_it_all(designs: dict[str, Lens]) -> None:

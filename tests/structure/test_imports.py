@@ -105,12 +105,23 @@ def test_every_file_says_its_idea_first() -> None:
     for path in FILES:
         docstring = ast.get_docstring(ast.parse(path.read_text()))
         assert docstring, f"{path} has no docstring"
-        assert docstring.splitlines()[0].rstrip().endswith((".", ":", ",")) or "\n" in docstring, path
+        first = docstring.split("\n\n")[0].split("\n    ")[0].strip()
+        assert first.endswith((".", ":", ",")), f"{path}: the first sentence of the docstring has no end"
 
 
-def test_public_names_exist_and_have_docstrings() -> None:
+def test_public_functions_and_classes_have_docstrings() -> None:
+    for path in FILES:
+        tree = ast.parse(path.read_text())
+        classes = [node for node in tree.body if isinstance(node, ast.ClassDef)]
+        for node in [*tree.body, *(inner for each in classes for inner in each.body)]:
+            if isinstance(node, (ast.FunctionDef, ast.ClassDef)) and not node.name.startswith("_"):
+                assert ast.get_docstring(node), f"{path.name}: {node.name} has no docstring"
+
+
+def test_public_names_exist() -> None:
+    assert set(lenstrace.__all__) <= set(dir(lenstrace))
     for name in lenstrace.__all__:
-        assert getattr(lenstrace, name).__doc__, name
+        assert getattr(lenstrace, name) is not None
 
 
 def test_heavy_packages_wait_until_they_are_used() -> None:

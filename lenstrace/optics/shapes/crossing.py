@@ -12,7 +12,7 @@ from lenstrace.optics.vectors import Vector
 class Crossing(NamedTuple):
     """Where a ray meets a shape.
 
-    distance:        signed path along the ray, mm; 0 where there is none.
+    distance:        signed path along the ray, mm; finite, and without meaning, where there is none.
     point:           the point met, mm.
     normal:          any length, n_z > 0 at the vertex.       normal_squared: its squared length.
     cosine:          |normal . direction|.
