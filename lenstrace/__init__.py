@@ -41,7 +41,9 @@ from lenstrace.sequential.system import System
 if TYPE_CHECKING:
     from lenstrace.analysis.layout import layout
     from lenstrace.io.native import dumps, load, loads, save
+    from lenstrace.plotting.cardinal import plot_first_order
     from lenstrace.plotting.layout import plot_layout
+    from lenstrace.plotting.rays import plot_rays
     from lenstrace.plotting.spots import plot_spots
     from lenstrace.sequential.prescription import lens
 
@@ -77,7 +79,9 @@ __all__ = [
     "loads",
     "newton_check",
     "overview",
+    "plot_first_order",
     "plot_layout",
+    "plot_rays",
     "plot_spots",
     "ray",
     "save",
@@ -91,7 +95,9 @@ _IMPORTED_WHEN_USED = {
     "lens": "lenstrace.sequential.prescription",
     "load": "lenstrace.io.native",
     "loads": "lenstrace.io.native",
+    "plot_first_order": "lenstrace.plotting.cardinal",
     "plot_layout": "lenstrace.plotting.layout",
+    "plot_rays": "lenstrace.plotting.rays",
     "plot_spots": "lenstrace.plotting.spots",
     "save": "lenstrace.io.native",
 }
