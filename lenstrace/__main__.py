@@ -27,7 +27,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         parsed.run(parsed)
     except LensTraceError as error:
-        print(f"lenstrace: {error}", file=sys.stderr)
+        print(f"lenstrace: {' '.join(str(error).split())}", file=sys.stderr)
         return USAGE_ERROR
     except BrokenPipeError:
         sys.stderr.close()

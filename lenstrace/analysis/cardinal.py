@@ -17,7 +17,8 @@ from lenstrace.sequential.vertices import vertices
 class Overview:
     """What holds for the whole lens, at its primary wavelength; lengths in mm.
 
-    f_number:       |f'| / entrance pupil diameter; inf for an afocal lens.
+    f_number:       |f'| / entrance pupil diameter, whatever the object's distance; inf for an afocal lens, nan where
+                    the entrance pupil is at infinity.
     entrance_pupil: position from the first vertex.        exit_pupil: position from the image surface.
     magnification:  lateral, of a finite object at its paraxial image; None for an object at infinity.
     total_track:    z of the image surface minus z of the first vertex.
@@ -52,7 +53,11 @@ def _overview(system: System) -> Overview:
     primary = system.at(system.primary)
     entrance = paraxial.entrance_pupil(primary)
     return Overview(
-        f_number=jnp.abs(paraxial.first_order(primary).focal_length) / entrance.diameter,
+        f_number=jnp.where(
+            jnp.isfinite(entrance.diameter),
+            jnp.abs(paraxial.first_order(primary).focal_length) / entrance.diameter,
+            jnp.nan,
+        ),
         entrance_pupil=entrance,
         exit_pupil=paraxial.exit_pupil(primary),
         magnification=None if system.object_distance is None else paraxial.magnification(primary),

@@ -59,7 +59,9 @@ def require_image(lens: Lens, question: str) -> None:
 def _known(lens: Lens) -> tuple[bool, bool, bool] | None:
     if is_traced(lens):
         return None
-    powerless, far, image_far = (bool(flag) for flag in _flags(lens.system))
+    # the lens is known even where a `jit` around the question traces other things
+    with jax.ensure_compile_time_eval():
+        powerless, far, image_far = (bool(flag) for flag in _flags(lens.system))
     return powerless, far, image_far
 
 

@@ -55,10 +55,10 @@ def trace(
     if rays is not None:
         return _through(lens.system, _checked(rays), place, path)
     require_pupil(lens)
-    x, y = field if isinstance(field, tuple) else (0.0, field)
+    x, y = map(_floats, field if isinstance(field, tuple) else (0.0, field))
     check_field(lens, x, y)
     scale = lens.fields.scale
-    return _launched(lens.system, _floats(x, scale), _floats(y, scale), *map(_floats, pupil), place, path)
+    return _launched(lens.system, x * scale, y * scale, *map(_floats, pupil), place, path)
 
 
 def ray(point: tuple[ArrayLike, ArrayLike, ArrayLike], direction: tuple[ArrayLike, ArrayLike, ArrayLike]) -> Ray:
@@ -70,6 +70,8 @@ def ray(point: tuple[ArrayLike, ArrayLike, ArrayLike], direction: tuple[ArrayLik
 def _with_wavelength(lens: Lens, wavelength: float | None) -> tuple[Lens, int]:
     """The lens with this wavelength among its own, and its place."""
     waves = lens.wavelengths
+    if is_traced(wavelength):
+        raise RayError("wavelength cannot be traced by JAX: glasses are looked up by it; differentiate by the index")
     if wavelength is None:
         return lens, waves.primary
     if wavelength in waves.um:
@@ -92,12 +94,15 @@ def _checked(rays: Ray) -> Ray:
     return dataclasses.replace(rays, opl=jnp.zeros_like(rays.x)) if rays.opl is None else rays
 
 
-def _floats(value: ArrayLike, scale: float = 1.0) -> jax.Array | np.ndarray:
+def _floats(value: ArrayLike) -> jax.Array | np.ndarray:
     if isinstance(value, jax.Array):
-        return value * scale
-    number = np.asarray(value, float) * scale
+        return value
+    try:
+        number = np.asarray(value, float)
+    except (TypeError, ValueError):
+        number = np.array(np.nan)
     if not np.isfinite(number).all():
-        raise RayError(f"field and pupil must be finite numbers, got {value}")
+        raise RayError(f"field and pupil must be finite numbers, got {value!r}")
     return number
 
 

@@ -48,7 +48,8 @@ def number_text(value: Any, digits: int = 6) -> str:
         return "infinity" if math.isinf(number) else "-"
     if number != 0 and (abs(number) < 10.0 ** (2 - digits) or abs(number) >= 1e7):
         return f"{number:.{digits}g}"
-    return f"{number:.{digits}f}"
+    text = f"{number:.{digits}f}"
+    return text.removeprefix("-") if float(text) == 0 else text
 
 
 def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]]) -> None:

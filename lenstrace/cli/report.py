@@ -66,6 +66,8 @@ def run(arguments: argparse.Namespace) -> None:
     print(lens, end="\n\n")
     _print_first_order(lens, points)
     _print_overview(lens, whole)
+    if any(row.is_posed for row in lens):
+        print("Tilts and decentres do not count in these figures; real rays see them.\n")
     _print_published(lens)
     _print_newton(newton)
     _print_spots(lens, sizes, no_spots)

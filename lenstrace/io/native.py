@@ -44,7 +44,7 @@ def loads(text: str) -> Lens:
 
 def save(lens: Lens, path: str | os.PathLike[str]) -> None:
     """Write a lens, in mm. The file appears whole or not at all."""
-    target = Path(path)
+    target = Path(path).resolve()  # a link is written through, not replaced
     partial = target.with_name(f".{target.name}.partial")
     try:
         partial.write_text(dumps(lens), encoding="utf-8")

@@ -21,7 +21,7 @@ def save_figure(figure: Figure, path: str | os.PathLike[str]) -> None:
 
     LensTraceError for another suffix, or where the file cannot be written; nothing is left behind then.
     """
-    target = Path(path)
+    target = Path(path).resolve()  # a link is written through, not replaced
     kind = target.suffix.lower().removeprefix(".")
     if kind not in FORMATS:
         got = f"got {target.suffix!r}" if kind else "got none"

@@ -43,7 +43,7 @@ def plot_layout(layout: Layout, axes: Axes | None = None) -> Axes:
     axes.margins(0.03, 0.05)
     axes.set_xlabel("z, mm")
     axes.set_ylabel("y, mm")
-    axes.set_title(layout.name)
+    axes.set_title(layout.name, parse_math=False)
     axes.legend(
         title=FIELD_TITLES[layout.field_kind],
         loc="upper left",

@@ -81,7 +81,7 @@ def spots_figure(spots: Spots, lens: Lens) -> Figure:
     figure = Figure(figsize=spots_size(count), layout="constrained")
     plot_spots(spots, lens, spot_axes(figure, count))
     if lens.name:
-        figure.suptitle(lens.name)
+        figure.suptitle(lens.name, parse_math=False)
     return figure
 
 

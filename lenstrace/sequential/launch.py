@@ -150,13 +150,14 @@ def _shift_of(
 
 def _aimed_radius(system: System, primary: System, entrance: paraxial.Pupil) -> tuple[jax.Array, jax.Array]:
     """The radius of the stop that pupil coordinate 1 means, mm: given, or the height there of the real ray
-    of the axial point that enters at the top of the pupil, at the primary wavelength; and whether that ray arrives."""
+    of the axial point that enters at the top of the pupil, at the primary wavelength; and whether it arrives."""
     if system.aperture_kind == "stop_semi_diameter":
         return paraxial.stop_radius(primary), jnp.ones((), bool)
-    zero, one = jnp.zeros_like(entrance.position), jnp.ones_like(entrance.position)
-    ray = _through(system, primary, entrance, (zero, zero), (zero, one))
+    rim = jnp.array([0, 1], entrance.position.dtype)
+    ray = _through(system, primary, entrance, (0 * rim, 0 * rim), (0 * rim, rim))
     stop = trace(primary, ray, last=system.stop)
-    return stop.y, stop.has_course
+    # from the chief ray: a stop that is decentred is filled about its own centre
+    return stop.y[1] - stop.y[0], stop.has_course.all()
 
 
 def _ray(point: Vector, direction: Vector) -> Ray:

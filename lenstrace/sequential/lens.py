@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Iterator
 from typing import Any
 
 import jax
@@ -31,6 +32,10 @@ class Lens(Document):
     def __getitem__(self, surface: int) -> Row:
         """Row of a surface, numbered from 1 as in the file; S + 1 is the image."""
         return self.image if surface == len(self.rows) + 1 else self.rows[number_of(surface, len(self.rows)) - 1]
+
+    def __iter__(self) -> Iterator[Row]:
+        """Rows 1 ... S."""
+        return iter(self.rows)
 
     def __len__(self) -> int:
         """S, the number of rows."""
@@ -75,6 +80,8 @@ class Lens(Document):
         for name in ("curvature", "thickness", "conic"):
             if name in changes:
                 values = changes.pop(name)
+                if np.ndim(values) != 1:
+                    raise PrescriptionError(f"{name} must be an array, one value for each row; got {values!r}")
                 if len(values) != len(rows):
                     raise PrescriptionError(
                         f"{name}: {len(values)} values for {len(rows)} surfaces; give one for each row"
@@ -100,6 +107,8 @@ class Lens(Document):
         return self.replace(precision=name)
 
     def _replace_row(self, surface: int, changes: dict[str, Any]) -> Lens:
+        if isinstance(surface, bool) or not isinstance(surface, int | np.integer):
+            raise PrescriptionError(f"surface must be the number of a row, got {surface!r}")
         where = "image" if surface == len(self.rows) + 1 else f"surface {surface}"
         row = self[surface]
         try:

@@ -72,7 +72,10 @@ def medium_of(index: Any = None, abbe: Any = None, name: str | None = None) -> M
     if isinstance(index, Mapping):
         return Table(tuple(index["um"]), tuple(index["n"]))
     if isinstance(abbe, Mapping):
-        return AbbeModel(number(abbe["nd"], "nd"), number(abbe["vd"], "vd"))
+        nd, vd = number(abbe["nd"], "nd"), number(abbe["vd"], "vd")
+        if not is_traced(vd) and not (np.isfinite(vd) and vd > 0):
+            raise PrescriptionError(f"abbe: vd must be positive, got {vd:g}")
+        return AbbeModel(nd, vd)
     return Constant(number(index, "index"))
 
 

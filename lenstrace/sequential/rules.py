@@ -34,6 +34,9 @@ def check_lens(lens: Document) -> None:
         raise PrescriptionError(
             f"surfaces: rows {_listed(stops)} are all marked stop; a lens has one, keep one of them"
         )
+    for name, value in lens.published:
+        if not (math.isfinite(value) and (value > 0 or name != "tolerance")):
+            raise PrescriptionError(f"published: {name} must be a finite number, a tolerance positive, got {value}")
     _check_object(lens)
     _check_fields(lens)
     _check_wavelengths(lens)

@@ -8,6 +8,8 @@ from lenstrace.errors import RayError
 
 PATTERNS = ("hexapolar", "grid", "random", "sobol")
 SEED = 20
+# 751,501 rays for each field and wavelength; more do not fit into the memory of a small machine.
+MOST_RINGS = 500
 
 
 def pupil_points(pattern: str = "hexapolar", rings: int = 6) -> tuple[np.ndarray, np.ndarray]:
@@ -22,8 +24,8 @@ def pupil_points(pattern: str = "hexapolar", rings: int = 6) -> tuple[np.ndarray
     >>> [len(pupil_points(pattern, 6)[0]) for pattern in PATTERNS]
     [127, 113, 127, 127]
     """
-    if rings < 1:
-        raise RayError(f"rings must be at least 1, got {rings}")
+    if not isinstance(rings, int | np.integer) or not 1 <= rings <= MOST_RINGS:
+        raise RayError(f"rings must be at least 1 and at most {MOST_RINGS}, a whole number, got {rings!r}")
     match pattern:
         case "hexapolar":
             turns = [(k / rings, j / (6 * k)) for k in range(1, rings + 1) for j in range(6 * k)]

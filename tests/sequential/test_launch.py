@@ -141,6 +141,31 @@ def test_aimed_radius_is_that_of_the_real_axial_ray(designs: dict[str, Lens]) ->
     assert_allclose([path.x[gauss.stop], path.y[gauss.stop]], [0.6 * radius, -0.8 * radius], rtol=1e-10)
 
 
+def test_a_decentred_stop_is_filled_about_its_own_centre() -> None:
+    rows = [
+        {"thickness": 200.0, "stop": True, "decenter": [0, 60]},
+        {"radius": -600.0, "thickness": -300, "mirror": True},
+    ]
+    lens = lenstrace.lens(rows, {"entrance_pupil_diameter": 40.0}, [0.0], [0.55], ray_aiming=True)
+    path = lenstrace.trace(lens, pupil=(np.array([0.0, 1.0, 0.0]), np.array([1.0, 0.0, -1.0])))
+    assert_allclose(path.y[1], [20, 0, -20], atol=1e-9)
+    assert_allclose(path.x[1], [0, 20, 0], atol=1e-9)
+
+
+def test_questions_may_be_traced_while_the_lens_is_known(designs: dict[str, Lens]) -> None:
+    lens = designs["cooke_triplet"]
+
+    def height(field: jax.Array, y: jax.Array) -> jax.Array:
+        return lenstrace.trace(lens, field=field, pupil=(0.0, y), path=False).y
+
+    assert_allclose(jax.jit(height)(14.0, 0.5), height(14.0, 0.5), rtol=1e-14)
+    with pytest.raises(lenstrace.RayError, match="wavelength cannot be traced"):
+        jax.grad(lambda um: lenstrace.trace(lens, wavelength=um, path=False).y)(0.55)
+    for wrong in (200.0, -90.0, "a", np.nan, (100.0, 30.0)):
+        with pytest.raises(lenstrace.LensTraceError):
+            lenstrace.trace(lens.replace(object_distance=50.0), field=wrong)
+
+
 def test_aiming_is_differentiable(designs: dict[str, Lens]) -> None:
     aimed = dataclasses.replace(designs["cooke_triplet"], ray_aiming=True)
 

@@ -50,6 +50,8 @@ MISTAKES = {
     'glass = "N-BK7"|index = 0': ["surface 1", "index", "not 0"],
     'glass = "N-BK7"|index = { um = [0.5, 0.6], n = [1.5] }': ["surface 1", "1 n and 2 um"],
     'glass = "N-BK7"|abbe = { nd = 1.5 }': ["surface 1: abbe: vd is missing"],
+    'glass = "N-BK7"|abbe = { nd = 1.5, vd = 0 }': ["surface 1", "vd must be positive"],
+    "[lens]|[published]\ntolerance = -1\n[lens]": ["published: tolerance"],
     "stop = true|stop = true, mirror = true": ["surface 1", "mirror keeps the medium"],
     "entrance_pupil_diameter = 10|": ["aperture: exactly one of", "got none"],
     "entrance_pupil_diameter = 10|entrance_pupil_diameter = 10\nimage_f_number = 5": [
