@@ -44,16 +44,17 @@ def plot_layout(layout: Layout, axes: Axes | None = None) -> Axes:
     axes.set_xlabel("z, mm")
     axes.set_ylabel("y, mm")
     axes.set_title(layout.name, parse_math=False)
-    axes.legend(
-        title=FIELD_TITLES[layout.field_kind],
-        loc="upper left",
-        bbox_to_anchor=(1.01, 1.0),
-        borderaxespad=0.0,
-        frameon=False,
-        fontsize="small",
-        title_fontsize="small",
-        alignment="left",
-    )
+    if layout.bundles:
+        axes.legend(
+            title=FIELD_TITLES[layout.field_kind],
+            loc="upper left",
+            bbox_to_anchor=(1.01, 1.0),
+            borderaxespad=0.0,
+            frameon=False,
+            fontsize="small",
+            title_fontsize="small",
+            alignment="left",
+        )
     return axes
 
 
