@@ -9,6 +9,7 @@ from typing import NoReturn
 
 from lenstrace import __version__
 from lenstrace.cli import draw, report, spots, trace
+from lenstrace.cli.cache import keep_compiled_programs
 from lenstrace.errors import LensTraceError
 
 USAGE_ERROR = 2
@@ -24,6 +25,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for command in (report, spots, trace, draw):
         command.add_parser(commands)
     parsed = parser.parse_args([_as_value(each) for each in (sys.argv[1:] if arguments is None else arguments)])
+    keep_compiled_programs()
     try:
         parsed.run(parsed)
     except LensTraceError as error:

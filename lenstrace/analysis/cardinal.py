@@ -5,6 +5,7 @@ from __future__ import annotations
 import jax
 import jax.numpy as jnp
 
+from lenstrace.compiled import compiled
 from lenstrace.pytree import pytree
 from lenstrace.sequential import paraxial
 from lenstrace.sequential.lens import Lens
@@ -43,12 +44,12 @@ def overview(lens: Lens) -> Overview:
     return _overview(lens.system)
 
 
-@jax.jit
+@compiled
 def _first_order(system: System) -> FirstOrder:
-    return jax.vmap(lambda wavelength: paraxial.first_order(system.at(wavelength)))(jnp.arange(system.index.shape[0]))
+    return jax.vmap(lambda index: paraxial.first_order(system.with_index(index)))(jnp.asarray(system.index))
 
 
-@jax.jit
+@compiled
 def _overview(system: System) -> Overview:
     primary = system.at(system.primary)
     entrance = paraxial.entrance_pupil(primary)

@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+import contextlib
+import functools
+
 import jax
 import jax.numpy as jnp
+import numpy as np
 
+from lenstrace.compiled import compiled, is_outermost
 from lenstrace.errors import ImageError, PrescriptionError
 from lenstrace.pytree import is_traced
 from lenstrace.sequential import paraxial
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.system import System
+
+# Lenses whose answers are kept, so that the next question of the same lens does not wait for them.
+REMEMBERED = 64
 
 
 def require_pupil(lens: Lens) -> None:
@@ -57,17 +65,21 @@ def require_image(lens: Lens, question: str) -> None:
 
 
 def _known(lens: Lens) -> tuple[bool, bool, bool] | None:
-    if is_traced(lens):
-        return None
+    return None if is_traced(lens) else _found(lens)
+
+
+@functools.lru_cache(maxsize=REMEMBERED)
+def _found(lens: Lens) -> tuple[bool, bool, bool]:
+    """Whether the lens has no power, its entrance pupil is at infinity, its image is."""
     # the lens is known even where a `jit` around the question traces other things
-    with jax.ensure_compile_time_eval():
-        powerless, far, image_far = (bool(flag) for flag in _flags(lens.system))
-    return powerless, far, image_far
+    with jax.ensure_compile_time_eval() if not is_outermost(lens) else contextlib.nullcontext():
+        powerless, far, image_far = np.asarray(_flags(lens.system.at(lens.system.primary)))
+    return bool(powerless), bool(far), bool(image_far)
 
 
-@jax.jit
-def _flags(system: System) -> tuple[jax.Array, jax.Array, jax.Array]:
-    primary = system.at(system.primary)
-    powerless = paraxial.first_order(primary).power == 0
-    pupil = paraxial.entrance_pupil(primary)
-    return powerless, ~jnp.isfinite(pupil.position), paraxial.image_slope(primary) == 0
+@compiled
+def _flags(system: System) -> jax.Array:
+    pupil = paraxial.entrance_pupil(system)
+    return jnp.stack(
+        [paraxial.first_order(system).power == 0, ~jnp.isfinite(pupil.position), paraxial.image_slope(system) == 0]
+    )

@@ -10,6 +10,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from lenstrace.compiled import compiled
 from lenstrace.errors import ImageError
 from lenstrace.optics.rays import living
 from lenstrace.pytree import is_traced, pytree
@@ -58,7 +59,7 @@ def newton_check(lens: Lens) -> NewtonCheck:
     return result
 
 
-@jax.jit
+@compiled
 def _newton(system: System) -> NewtonCheck:
     primary = system.at(system.primary)
     points = paraxial.first_order(primary)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-import functools
+from collections.abc import Iterable
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -11,13 +12,14 @@ import numpy as np
 from jax.typing import ArrayLike
 
 from lenstrace.analysis.conditions import require_pupil
+from lenstrace.blocks import each
 from lenstrace.errors import RayError
-from lenstrace.optics.rays import Ray
-from lenstrace.pytree import is_traced
-from lenstrace.sequential.document import Wavelengths
+from lenstrace.optics.rays import Ray, living
+from lenstrace.pytree import is_traced, pytree, static
+from lenstrace.sequential.build import index_at
 from lenstrace.sequential.launch import launch
 from lenstrace.sequential.lens import Lens
-from lenstrace.sequential.rules import check_field
+from lenstrace.sequential.rules import check_field, check_wavelength
 from lenstrace.sequential.system import System
 from lenstrace.sequential.trace import trace as trace_system
 
@@ -36,6 +38,7 @@ def trace(
     pupil: tuple[ArrayLike, ArrayLike] = (0.0, 0.0),
     wavelength: float | None = None,
     path: bool = True,
+    opl: bool = True,
 ) -> Ray:
     """Rays through a lens, exactly.
 
@@ -46,52 +49,87 @@ def trace(
                  Field and pupil broadcast to the shape of the result.
     wavelength:  micrometres, any that the glasses know; the primary one by default.
     path:        all surfaces along a leading axis (0 launch, 1 ... S, S + 1 image), or the image alone.
+    opl:         optical path lengths too; without them a million rays take two thirds of the time.
 
     Each surface's x, y, z (mm) and l, m, n are in its own frame, the direction is that behind it, opl (mm)
     counts from the launch point. Failed rays have a `status` and a `surface`, and finite numbers.
     RayError for a direction that is not a unit vector; WavelengthError outside a glass's range.
     """
-    lens, place = _with_wavelength(lens, wavelength)
+    system = lens.system
+    asked = _Asked(system.at(system.primary), _index(lens, wavelength), path, opl)
     if rays is not None:
-        return _through(lens.system, _checked(rays), place, path)
+        answer, sound = each(_through, asked, _in_precision(rays, system.curvature.dtype))
+        if not is_traced(sound) and not np.asarray(sound).all():
+            _check(rays)
+        return answer
     require_pupil(lens)
     x, y = map(_floats, field if isinstance(field, tuple) else (0.0, field))
     check_field(lens, x, y)
-    scale = lens.fields.scale
-    return _launched(lens.system, x * scale, y * scale, *map(_floats, pupil), place, path)
+    points = (x * lens.fields.scale, y * lens.fields.scale, *map(_floats, pupil))
+    return each(_launched, asked, _numbers(points, system.curvature.dtype))
 
 
 def ray(point: tuple[ArrayLike, ArrayLike, ArrayLike], direction: tuple[ArrayLike, ArrayLike, ArrayLike]) -> Ray:
     """Rays to bring along: points in mm in the frame of the first vertex, directions of unit length (RayError)."""
-    numbers = jnp.broadcast_arrays(*map(_floats, (*point, *direction)))
-    return _checked(Ray(*numbers, failure=jnp.zeros(numbers[0].shape, jnp.int32)))
+    given = [value if isinstance(value, jax.Array) else np.asarray(value, float) for value in (*point, *direction)]
+    rays = living(*map(jnp.asarray, given))
+    if not is_traced(rays) and not np.asarray(_is_sound(jax.tree.map(np.asarray, rays))).all():
+        _check(rays)
+    return rays
 
 
-def _with_wavelength(lens: Lens, wavelength: float | None) -> tuple[Lens, int]:
-    """The lens with this wavelength among its own, and its place."""
-    waves = lens.wavelengths
+@pytree
+class _Asked:
+    """A lens at its primary wavelength, the index at the one asked for, and what is wanted of the rays."""
+
+    system: System
+    index: jax.Array
+    path: bool = static()
+    opl: bool = static()
+
+
+def _index(lens: Lens, wavelength: float | None) -> Any:
+    """The index of every space at a wavelength, in the precision of the lens."""
+    system, waves = lens.system, lens.wavelengths
     if is_traced(wavelength):
         raise RayError("wavelength cannot be traced by JAX: glasses are looked up by it; differentiate by the index")
-    if wavelength is None:
-        return lens, waves.primary
-    if wavelength in waves.um:
-        return lens, waves.um.index(wavelength)
-    two = Wavelengths((1.0, 1.0), (waves.um[waves.primary], float(wavelength)), 0)
-    return lens.replace(wavelengths=two), 1
+    if wavelength is None or wavelength in waves.um:
+        return system.index[system.primary if wavelength is None else waves.um.index(wavelength)]
+    check_wavelength(wavelength)
+    return index_at(lens, float(wavelength)).astype(system.index.dtype)
 
 
-def _checked(rays: Ray) -> Ray:
-    numbers = (rays.x, rays.y, rays.z, rays.l, rays.m, rays.n)
-    if not is_traced(numbers):
-        x, y, z, l, m, n = map(np.asarray, numbers)
-        if not all(np.isfinite(number).all() for number in (x, y, z, l, m, n)):
-            raise RayError("a ray's point and direction must be finite numbers")
-        length = np.sqrt(l * l + m * m + n * n)
-        tolerance = max(UNIT_TOLERANCE, 8 * np.finfo(length.dtype).eps)
-        if (np.abs(length - 1) > tolerance).any():
-            worst = length.flat[np.abs(length - 1).argmax()]
-            raise RayError(f"a direction must be a unit vector, got one of length {worst:.9g}; divide it by its length")
-    return dataclasses.replace(rays, opl=jnp.zeros_like(rays.x)) if rays.opl is None else rays
+def _in_precision(rays: Ray, dtype: Any) -> Ray:
+    """Given rays in the precision of the lens."""
+    opl = None if rays.opl is None else _numbers([rays.opl], dtype)[0]
+    return Ray(*_numbers((rays.x, rays.y, rays.z, rays.l, rays.m, rays.n), dtype), failure=rays.failure, opl=opl)
+
+
+def _is_sound(rays: Ray) -> Any:
+    """True where a ray has a place and a direction of unit length."""
+    tolerance = max(UNIT_TOLERANCE, 8 * float(jnp.finfo(rays.l.dtype).eps))
+    square = rays.l * rays.l + rays.m * rays.m + rays.n * rays.n
+    return (abs(square - 1) <= 2 * tolerance) & (abs(rays.x) + abs(rays.y) + abs(rays.z) < np.inf)
+
+
+def _check(rays: Ray) -> None:
+    """RayError for the ray that is least sound."""
+    x, y, z, l, m, n = map(np.asarray, (rays.x, rays.y, rays.z, rays.l, rays.m, rays.n))
+    if not all(np.isfinite(number).all() for number in (x, y, z, l, m, n)):
+        raise RayError("a ray's point and direction must be finite numbers")
+    length = np.sqrt(l * l + m * m + n * n)
+    worst = length.flat[np.abs(length - 1).argmax()]
+    raise RayError(f"a direction must be a unit vector, got one of length {worst:.9g}; divide it by its length")
+
+
+def _numbers(values: Iterable[Any], dtype: Any) -> tuple[Any, ...]:
+    """Arrays of one shape and of one precision; in numpy where JAX holds none of them."""
+    values = tuple(values)
+    if not all(map(np.size, values)):
+        raise RayError("no rays given: field, pupil or the rays are empty arrays")
+    if any(isinstance(value, jax.Array) for value in values):
+        return tuple(jnp.broadcast_arrays(*(jnp.asarray(value, dtype) for value in values)))
+    return np.broadcast_arrays(*(np.asarray(value, dtype) for value in values))
 
 
 def _floats(value: ArrayLike) -> jax.Array | np.ndarray:
@@ -106,26 +144,18 @@ def _floats(value: ArrayLike) -> jax.Array | np.ndarray:
     return number
 
 
-@functools.partial(jax.jit, static_argnums=3)
-def _through(system: System, rays: Ray, wavelength: int, path: bool) -> Ray:
-    dtype = system.curvature.dtype
-    rays = jax.tree.map(lambda a: a.astype(dtype) if jnp.issubdtype(a.dtype, jnp.floating) else a, rays)
-    sense = jnp.where(rays.n < BACKWARD, -1.0, 1.0).astype(dtype)
-    return trace_system(system.at(wavelength), rays, path=path, sense=sense)
+def _through(asked: _Asked, rays: Ray) -> tuple[Ray, jax.Array]:
+    sense = jnp.where(rays.n < BACKWARD, -1.0, 1.0).astype(rays.n.dtype)
+    return _arriving(asked, rays, sense), _is_sound(rays)
 
 
-@functools.partial(jax.jit, static_argnums=6)
-def _launched(
-    system: System,
-    field_x: jax.Array,
-    field_y: jax.Array,
-    pupil_x: jax.Array,
-    pupil_y: jax.Array,
-    wavelength: int,
-    path: bool,
-) -> Ray:
-    dtype = system.curvature.dtype
-    field_x, field_y, pupil_x, pupil_y = (jnp.asarray(a, dtype) for a in (field_x, field_y, pupil_x, pupil_y))
-    start = launch(system, (field_x, field_y), (pupil_x, pupil_y), wavelength)
-    start = dataclasses.replace(start, opl=jnp.zeros_like(start.x))
-    return trace_system(system.at(wavelength), start, path=path)
+def _launched(asked: _Asked, points: tuple[jax.Array, jax.Array, jax.Array, jax.Array]) -> Ray:
+    field_x, field_y, pupil_x, pupil_y = points
+    return _arriving(asked, launch(asked.system, asked.index, (field_x, field_y), (pupil_x, pupil_y)), 1.0)
+
+
+def _arriving(asked: _Asked, rays: Ray, sense: Any) -> Ray:
+    opl = (jnp.zeros_like(rays.x) if rays.opl is None else rays.opl) if asked.opl else None
+    return trace_system(
+        asked.system.with_index(asked.index), dataclasses.replace(rays, opl=opl), path=asked.path, sense=sense
+    )

@@ -5,10 +5,13 @@ from __future__ import annotations
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax import lax
 
 from lenstrace.analysis.conditions import require_image
+from lenstrace.blocks import each
+from lenstrace.compiled import compiled
 from lenstrace.errors import LostRaysError
-from lenstrace.optics.rays import Ray, RayStatus, split_failure
+from lenstrace.optics.rays import RayStatus, has_course, split_failure
 from lenstrace.optics.vectors import safe_sqrt
 from lenstrace.pytree import is_traced, pytree
 from lenstrace.sequential.launch import launch
@@ -88,21 +91,36 @@ def loss_text(losses: dict[tuple[int, RayStatus], int]) -> str:
     )
 
 
-@jax.jit
-def _spots(system: System, pupil_x: jax.Array, pupil_y: jax.Array) -> Spots:
+def _spots(system: System, pupil_x: np.ndarray, pupil_y: np.ndarray) -> Spots:
+    """The chief ray goes first among the rays of a field."""
     dtype = system.curvature.dtype
-    pupil_x, pupil_y = (jnp.concatenate([jnp.zeros(1, dtype), jnp.asarray(p, dtype)]) for p in (pupil_x, pupil_y))
-    fields = jnp.asarray(system.fields)
-    count = system.index.shape[0]
+    pupil = (np.insert(p, 0, 0.0).astype(dtype) for p in (pupil_x, pupil_y))
+    count = len(pupil_x) + 1
+    fields = (system.fields[:, i] for i in (0, 1))
+    xp = jnp if isinstance(system.fields, jax.Array) else np
+    points = (*(xp.repeat(f, count) for f in fields), *(np.tile(p, len(system.fields)) for p in pupil))
+    return _figures(each(_arriving, system, points), system)
 
-    def arriving(wavelength: jax.Array) -> Ray:
-        start = launch(system, (fields[:, :1], fields[:, 1:]), (pupil_x, pupil_y), wavelength)
-        return trace(system.at(wavelength), start)
 
-    image = jax.vmap(arriving, out_axes=1)(jnp.arange(count))
-    chief_x, chief_y = (jnp.where(image.has_course, a, jnp.nan)[..., 0] for a in (image.x, image.y))
-    x, y, failure = (a[..., 1:] for a in (image.x, image.y, image.failure))
-    return statistics(x, y, failure, chief_x, chief_y, system.weights, system.primary)
+def _arriving(system: System, points: tuple[jax.Array, ...]) -> tuple[jax.Array, jax.Array, jax.Array]:
+    """x, y and failure at the image, (W, N)."""
+    field_x, field_y, pupil_x, pupil_y = points
+    primary = system.at(system.primary)
+
+    def at(index: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
+        image = trace(system.with_index(index), launch(primary, index, (field_x, field_y), (pupil_x, pupil_y)))
+        return image.x, image.y, image.failure
+
+    return lax.map(at, jnp.asarray(system.index))
+
+
+@compiled
+def _figures(arrived: tuple[jax.Array, jax.Array, jax.Array], system: System) -> Spots:
+    """The spots out of `_arriving`: of each field the chief ray, then N others."""
+    waves, fields = system.index.shape[0], system.fields.shape[0]
+    x, y, failure = (jnp.swapaxes(a.reshape(waves, fields, -1), 0, 1) for a in arrived)
+    chief_x, chief_y = (jnp.where(has_course(failure[..., 0]), a[..., 0], jnp.nan) for a in (x, y))
+    return statistics(x[..., 1:], y[..., 1:], failure[..., 1:], chief_x, chief_y, system.weights, system.primary)
 
 
 def statistics(
@@ -116,44 +134,48 @@ def statistics(
 ) -> Spots:
     """The figures of spots out of their rays: x, y, failure (F, W, N), chief rays (F, W), weights (W,)."""
     alive = failure == 0
-    living = jnp.sum(alive, -1)
-    one_each = alive.astype(x.dtype)
-    share = one_each / jnp.maximum(living, 1)[..., None].astype(x.dtype)
+    rays, sum_x, sum_y = (jnp.sum(jnp.where(alive, values, 0), -1) for values in (jnp.ones_like(x), x, y))
+    each = jnp.maximum(rays, 1)
+    centroid_x, centroid_y = sum_x / each, sum_y / each
+    squares = jnp.where(alive, _square(x - centroid_x[..., None], y - centroid_y[..., None]), 0)
+    variance = jnp.sum(squares, -1) / each
+    from_chief = variance + _square(centroid_x - chief_x, centroid_y - chief_y)
 
-    def mean(values: jax.Array) -> jax.Array:
-        return jnp.sum(jnp.where(alive, values, 0) * share, -1)
+    # wavelengths pooled; the mean square about any point is that about the centroid plus the centroid's own
+    part = jnp.asarray(weights) * rays
+    part = part / jnp.maximum(jnp.sum(part, -1, keepdims=True), jnp.finfo(x.dtype).tiny)
+    pooled_x, pooled_y = jnp.sum(part * centroid_x, -1), jnp.sum(part * centroid_y, -1)
 
-    centroid_x, centroid_y = mean(x), mean(y)
-    # no ray, no figure: 0 would look like a perfect spot to an optimizer that runs under jit
-    some = jnp.where(living > 0, 1.0, jnp.nan).astype(x.dtype)
-    about_centroid = (x - centroid_x[..., None]) ** 2 + (y - centroid_y[..., None]) ** 2
-    about_chief = (x - chief_x[..., None]) ** 2 + (y - chief_y[..., None]) ** 2
+    def pooled(about_x: jax.Array, about_y: jax.Array) -> jax.Array:
+        distance = _square(centroid_x - about_x[:, None], centroid_y - about_y[:, None])
+        return _root(jnp.sum(part * (variance + distance), -1)) * _some(jnp.sum(rays, -1))
 
-    part = jnp.asarray(weights)[:, None] * one_each
-    part = part / jnp.maximum(jnp.sum(part, (-2, -1), keepdims=True), jnp.finfo(x.dtype).tiny)
-
-    def pooled(values: jax.Array) -> jax.Array:
-        return jnp.sum(jnp.where(alive, values, 0) * part, (-2, -1))
-
-    pooled_x, pooled_y = pooled(x), pooled(y)
-    any_wave = jnp.where(jnp.sum(living, -1) > 0, 1.0, jnp.nan).astype(x.dtype)
-    spread = pooled((x - pooled_x[..., None, None]) ** 2 + (y - pooled_y[..., None, None]) ** 2)
-    chief = chief_x[:, primary, None, None], chief_y[:, primary, None, None]
-    from_chief = pooled((x - chief[0]) ** 2 + (y - chief[1]) ** 2)
+    some = _some(rays)
     return Spots(
-        lost=x.shape[-1] - living,
+        lost=x.shape[-1] - rays.astype(int),
         centroid_x=centroid_x,
         centroid_y=centroid_y,
         chief_x=chief_x,
         chief_y=chief_y,
-        rms_centroid=_root(mean(about_centroid)) * some,
-        rms_chief=_root(mean(about_chief)) * some,
-        largest=_root(jnp.max(jnp.where(alive, about_centroid, 0), -1)) * some,
-        polychromatic=Polychromatic(pooled_x, pooled_y, _root(spread) * any_wave, _root(from_chief) * any_wave),
+        rms_centroid=_root(variance) * some,
+        rms_chief=_root(from_chief) * some,
+        largest=_root(jnp.max(squares, -1)) * some,
+        polychromatic=Polychromatic(
+            pooled_x, pooled_y, pooled(pooled_x, pooled_y), pooled(chief_x[:, primary], chief_y[:, primary])
+        ),
         x=x,
         y=y,
         failure=failure,
     )
+
+
+def _square(x: jax.Array, y: jax.Array) -> jax.Array:
+    return x * x + y * y
+
+
+def _some(rays: jax.Array) -> jax.Array:
+    """1, but nan without any ray: no ray, no figure. 0 would look like a perfect spot to an optimizer under jit."""
+    return jnp.where(rays > 0, 1.0, jnp.nan).astype(rays.dtype)
 
 
 def _root(square: jax.Array) -> jax.Array:

@@ -23,7 +23,7 @@ import enum
 import jax
 import jax.numpy as jnp
 
-from lenstrace.optics.vectors import Vector, safe_sqrt
+from lenstrace.optics.vectors import Vector, divide_where, root_or_zero
 
 
 class Interaction(enum.Enum):
@@ -49,7 +49,7 @@ def bend(
     direction:      unit vector d1.        normal: N, any length.        normal_squared: |N|^2.
     cosine:         E = |N.d1| >= 0.       side: s = sign(N.d1), +1 or -1.
     index_before, index_after:  n1, n2 relative to air; not used by a mirror.
-    Returns d2 (d1 where totally reflected) and a mask, False at total internal reflection.
+    Returns d2, and a mask: False at total internal reflection, where d2 is finite and means nothing.
     """
     if interaction is Interaction.REFLECT:
         along = -2 * side * cosine / normal_squared
@@ -58,15 +58,13 @@ def bend(
     mu = index_before / index_after
     # (n2 - n1)(n2 + n1) loses nothing when the indices are nearly equal, 1 - mu^2 would
     kappa = (index_after - index_before) * (index_after + index_before) / (index_after * index_after)
-    inside = mu * mu * cosine * cosine + kappa * normal_squared
-    transmitted = inside > 0
-    root = safe_sqrt(inside)
+    root = root_or_zero(mu * mu * cosine * cosine + kappa * normal_squared)
+    forward = mu * cosine + root
     if interaction is Interaction.REFRACT_EITHER_SIGN:
-        positive = mu > 0
-        near = kappa / jnp.where(positive, mu * cosine + root, 1.0)
-        along = jnp.where(positive, near, (root - mu * cosine) / normal_squared)
+        near = mu > 0
+        numerator = jnp.where(near, kappa, root - mu * cosine)
+        along = side * numerator / jnp.where(near, jnp.where(root > 0, forward, 1), normal_squared)
     else:
-        along = kappa / (mu * cosine + root)
-    bent = (mu * d + side * along * n for d, n in zip(direction, normal, strict=True))
-    x, y, z = (jnp.where(transmitted, b, d) for b, d in zip(bent, direction, strict=True))
-    return (x, y, z), transmitted
+        along = divide_where(root > 0, side * kappa, forward)
+    x, y, z = (mu * d + along * n for d, n in zip(direction, normal, strict=True))
+    return (x, y, z), root > 0

@@ -74,12 +74,18 @@ class Ray:
     @property
     def has_course(self) -> jax.Array:
         """True where the ray lives, or was only stopped by an aperture: its numbers are those of a real course."""
-        return (self.status == int(RayStatus.OK)) | (self.status == int(RayStatus.CLIPPED))
+        return has_course(self.failure)
 
 
-def failure_code(surface: jax.Array | int, status: RayStatus) -> jax.Array | int:
+def failure_code(surface: jax.Array | int, status: jax.Array | RayStatus) -> jax.Array | int:
     """The integer that `Ray.failure` holds for a ray that failed at `surface` for the reason `status`."""
-    return surface * _REASONS + int(status)
+    return surface * _REASONS + status
+
+
+def has_course(failure: jax.Array) -> jax.Array:
+    """True where the numbers of a ray are those of a real course; failure: see `Ray`."""
+    status = failure % _REASONS
+    return (status == int(RayStatus.OK)) | (status == int(RayStatus.CLIPPED))
 
 
 def split_failure(failure: int) -> tuple[int, RayStatus]:

@@ -27,10 +27,29 @@ def safe_sqrt(x: jax.Array, substitute: float = 1.0) -> jax.Array:
     return jnp.sqrt(jnp.where(x > 0, x, substitute))
 
 
+@jax.custom_jvp
+def root_or_zero(x: jax.Array) -> jax.Array:
+    """sqrt(x) where x > 0, else 0, with derivative 0 there. A test for > 0 of the result costs less than one of x."""
+    return jnp.sqrt(jnp.maximum(x, 0))
+
+
+@root_or_zero.defjvp
+def _(primals: tuple[jax.Array], tangents: tuple[jax.Array]) -> tuple[jax.Array, jax.Array]:
+    root = root_or_zero(*primals)
+    return root, jnp.where(root > 0, 0.5 / jnp.where(root > 0, root, 1), 0) * tangents[0]
+
+
 def safe_divide(numerator: jax.Array, denominator: jax.Array) -> jax.Array:
     """numerator / denominator, and 0 where the denominator is 0; finite derivatives on both sides."""
-    nonzero = denominator != 0
-    return jnp.where(nonzero, numerator / jnp.where(nonzero, denominator, 1.0), 0.0)
+    return divide_where(denominator != 0, numerator, denominator)
+
+
+def divide_where(condition: jax.Array, numerator: jax.Array, denominator: jax.Array) -> jax.Array:
+    """numerator / denominator where the condition holds, else 0; finite derivatives on both sides.
+
+    The quotient is taken last: what uses it more than once does not compute the operands again.
+    """
+    return jnp.where(condition, numerator, 0) / jnp.where(condition, denominator, 1)
 
 
 def rotation(tilt: jax.Array) -> jax.Array:

@@ -26,7 +26,7 @@ def build_system(lens: Document) -> System:
     """
     rows = (*lens.rows, lens.image)
     media = _media(lens)
-    index = _indices(lens, media)
+    index = _indices(media, lens.wavelengths.um)
     if lens.aperture.kind == "object_na" and not is_traced((index, lens.aperture.value)):
         limit = float(np.abs(index[:, 0]).min())
         if lens.aperture.value >= limit:
@@ -69,20 +69,25 @@ def _media(lens: Document) -> list[tuple[str, Medium]]:
     return media
 
 
-def _indices(lens: Document, media: list[tuple[str, Medium]]) -> Any:
-    """(W, S + 1). Each medium is evaluated once."""
+def index_at(lens: Document, um: float) -> Any:
+    """(S + 1,): the index of the object space and after each surface at any wavelength, in float64."""
+    return _indices(_media(lens), (um,))[0]
+
+
+def _indices(media: list[tuple[str, Medium]], wavelengths: Sequence[float]) -> Any:
+    """(W, S + 1). Each medium is evaluated once. MediumError (WavelengthError) names the surface."""
     known: dict[int, list[Any]] = {}
     for where, medium in media:
         if id(medium) in known:
             continue
         try:
-            known[id(medium)] = [medium.index(um) for um in lens.wavelengths.um]
+            known[id(medium)] = [medium.index(um) for um in wavelengths]
         except LensTraceError as error:
             raise type(error)(f"{where}: {error}") from None
         if any(not isinstance(n, jax.Array) and not (np.isfinite(n) and n != 0) for n in known[id(medium)]):
             got = float(known[id(medium)][0])
             raise MediumError(f"{where}: the index of {medium.name} must be finite and not 0, got {got:g}")
-    return _table([[known[id(medium)][w] for _, medium in media] for w in range(len(lens.wavelengths.um))])
+    return _table([[known[id(medium)][w] for _, medium in media] for w in range(len(wavelengths))])
 
 
 def _kind(row: Row, before: tuple[str, Medium], behind: tuple[str, Medium], powers: tuple[int, ...]) -> Kind:

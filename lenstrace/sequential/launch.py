@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -19,51 +20,54 @@ from lenstrace.sequential.trace import trace
 FLAT = 0.01
 
 
+class Front(NamedTuple):
+    """What a launch needs to know of a lens: the system at its primary wavelength, and its entrance pupil there."""
+
+    system: System
+    entrance: paraxial.Pupil
+
+
 def launch(
     system: System,
+    index: jax.Array,
     field: tuple[jax.Array, jax.Array],
     pupil: tuple[jax.Array, jax.Array],
-    wavelength: int | jax.Array,
 ) -> Ray:
     """Rays of a field through points of the pupil, on the plane through the first vertex.
 
-    system:      with all its wavelengths; the pupil is that of the primary one.
-    field:       x and y, radians or mm as `system.field_kind` says; any shape that broadcasts with the pupil.
-    pupil:       x and y, in units of the radius of the paraxial entrance pupil, or of the stop if rays are aimed.
-    wavelength:  place in the list of wavelengths.
+    system:  at its primary wavelength, whose pupil it is.
+    index:   (S + 1,), at the wavelength of the rays; it counts where rays are aimed.
+    field:   x and y, radians or mm as `system.field_kind` says; any shape that broadcasts with the pupil.
+    pupil:   x and y, in units of the radius of the paraxial entrance pupil, or of the stop if rays are aimed.
 
     A ray nearly parallel to the vertex plane starts at its point nearest to the vertex instead. A ray that cannot be
     aimed has status NOT_CONVERGED at surface 0.
     """
-    primary = system.at(system.primary)
-    entrance = paraxial.entrance_pupil(primary)
-    pupil_x, pupil_y = pupil
-    fx, fy, px, py = jnp.broadcast_arrays(*field, pupil_x, pupil_y)
+    front = Front(system, paraxial.entrance_pupil(system))
+    fx, fy, px, py = jnp.broadcast_arrays(*field, *pupil)
     if not system.ray_aiming:
-        return _through(system, primary, entrance, (fx, fy), (px, py))
+        return _through(front, (fx, fy), (px, py))
 
-    here = system.at(wavelength)
-    radius, known = _aimed_radius(system, primary, entrance)
+    here = system.replace(index=index)
+    radius, known = _aimed_radius(front)
 
     def at_stop(shift: tuple[jax.Array, jax.Array], share: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
-        ray = _shifted(system, primary, entrance, (share * fx, share * fy), shift)
-        stop = trace(here, ray, last=system.stop)
+        stop = trace(here, _shifted(front, (share * fx, share * fy), shift), last=system.stop)
         return stop.x / radius - share * px, stop.y / radius - share * py, stop.has_course
 
     def guess(share: jax.Array) -> tuple[jax.Array, jax.Array]:
-        ray = _through(system, primary, entrance, (share * fx, share * fy), (share * px, share * py))
-        return _shift_of(system, primary, entrance, (share * fx, share * fy), ray)
+        field = share * fx, share * fy
+        return _shift_of(front, field, _through(front, field, (share * px, share * py)))
 
     shift, aimed = aim(at_stop, guess, fx)
-    ray = _shifted(system, primary, entrance, (fx, fy), shift)
+    ray = _shifted(front, (fx, fy), shift)
     lost = failure_code(0, RayStatus.NOT_CONVERGED)
     return dataclasses.replace(ray, failure=jnp.where(aimed & known, ray.failure, lost).astype(jnp.int32))
 
 
-def object_point(
-    system: System, primary: System, entrance: paraxial.Pupil, field: tuple[jax.Array, jax.Array]
-) -> Vector:
+def object_point(front: Front, field: tuple[jax.Array, jax.Array]) -> Vector:
     """The object point of a field, mm from the first vertex; the system has its object at a finite distance."""
+    system, entrance = front
     assert system.object_distance is not None
     fx, fy = field
     distance = jnp.asarray(system.object_distance)
@@ -72,74 +76,61 @@ def object_point(
             scale = -(distance + jnp.where(jnp.isfinite(entrance.position), entrance.position, 0.0))
             x, y = scale * jnp.tan(fx), scale * jnp.tan(fy)
         case "image_height":
-            m = paraxial.magnification(primary)
+            m = paraxial.magnification(system)
             x, y = fx / m, fy / m
         case _:
             x, y = fx, fy
     return x, y, jnp.broadcast_to(-distance, x.shape)
 
 
-def field_direction(system: System, primary: System, field: tuple[jax.Array, jax.Array]) -> Vector:
+def field_direction(system: System, field: tuple[jax.Array, jax.Array]) -> Vector:
     """Direction of the light of a field at infinity: along (tan ax, tan ay, 1); for a field in one plane
     (0, sin a, cos a), also at 90 degrees and beyond."""
     fx, fy = field
     if system.field_kind == "image_height":
-        f = paraxial.first_order(primary).object_focal_length
+        f = paraxial.first_order(system).object_focal_length
         return normalize((-fx / f, -fy / f, jnp.ones_like(fx)))
     # (tan ax, tan ay, 1) times cos ax cos ay, which is finite and has the right sense at and beyond 90 degrees
     cx, cy = jnp.cos(fx), jnp.cos(fy)
     return normalize((jnp.sin(fx) * cy, jnp.sin(fy) * cx, cx * cy))
 
 
-def _through(
-    system: System,
-    primary: System,
-    entrance: paraxial.Pupil,
-    field: tuple[jax.Array, jax.Array],
-    pupil: tuple[jax.Array, jax.Array],
-) -> Ray:
+def _through(front: Front, field: tuple[jax.Array, jax.Array], pupil: tuple[jax.Array, jax.Array]) -> Ray:
     """Rays through points of the paraxial entrance pupil, given in units of its radius."""
+    system, entrance = front
     px, py = pupil
     far = ~jnp.isfinite(entrance.position)
     radius = jnp.where(far, 0.0, entrance.diameter / 2)
     position = jnp.broadcast_to(jnp.where(far, 0.0, entrance.position), px.shape)
     target = (px * radius, py * radius, position)
     if system.object_distance is None:
-        return _ray(target, field_direction(system, primary, field))
-    start = object_point(system, primary, entrance, field)
+        return _ray(target, field_direction(system, field))
+    start = object_point(front, field)
     towards = _forward(normalize(_minus(target, start)))
     if system.aperture_kind != "object_na":
         return _ray(target, towards)
-    slope = paraxial.marginal_slope(primary)
+    slope = paraxial.marginal_slope(system)
     parallel = normalize((px * slope, py * slope, jnp.ones_like(px)))
     direction = _choose(far, parallel, towards)
     return _ray(_choose(far, start, target), direction)
 
 
-def _shifted(
-    system: System,
-    primary: System,
-    entrance: paraxial.Pupil,
-    field: tuple[jax.Array, jax.Array],
-    shift: tuple[jax.Array, jax.Array],
-) -> Ray:
+def _shifted(front: Front, field: tuple[jax.Array, jax.Array], shift: tuple[jax.Array, jax.Array]) -> Ray:
     """Rays through a point of the plane that stands at the first vertex, normal to the line from the object to it."""
-    if system.object_distance is None:
-        direction = field_direction(system, primary, field)
+    if front.system.object_distance is None:
+        direction = field_direction(front.system, field)
         return _ray(_in_plane(direction, shift), direction)
-    start = object_point(system, primary, entrance, field)
+    start = object_point(front, field)
     point = _in_plane(normalize((-start[0], -start[1], -start[2])), shift)
     return _ray(point, normalize(_minus(point, start)))
 
 
-def _shift_of(
-    system: System, primary: System, entrance: paraxial.Pupil, field: tuple[jax.Array, jax.Array], ray: Ray
-) -> tuple[jax.Array, jax.Array]:
+def _shift_of(front: Front, field: tuple[jax.Array, jax.Array], ray: Ray) -> tuple[jax.Array, jax.Array]:
     """The shift that gives `_shifted` this ray of the field."""
-    if system.object_distance is None:
-        axis = field_direction(system, primary, field)
+    if front.system.object_distance is None:
+        axis = field_direction(front.system, field)
     else:
-        x, y, z = object_point(system, primary, entrance, field)
+        x, y, z = object_point(front, field)
         axis = normalize((-x, -y, -z))
     direction, point = (ray.l, ray.m, ray.n), (ray.x, ray.y, ray.z)
     t = -dot(point, axis) / dot(direction, axis)
@@ -148,14 +139,14 @@ def _shift_of(
     return dot(first, (x, y, z)), dot(second, (x, y, z))
 
 
-def _aimed_radius(system: System, primary: System, entrance: paraxial.Pupil) -> tuple[jax.Array, jax.Array]:
+def _aimed_radius(front: Front) -> tuple[jax.Array, jax.Array]:
     """The radius of the stop that pupil coordinate 1 means, mm: given, or the height there of the real ray
     of the axial point that enters at the top of the pupil, at the primary wavelength; and whether it arrives."""
+    system = front.system
     if system.aperture_kind == "stop_semi_diameter":
-        return paraxial.stop_radius(primary), jnp.ones((), bool)
-    rim = jnp.array([0, 1], entrance.position.dtype)
-    ray = _through(system, primary, entrance, (0 * rim, 0 * rim), (0 * rim, rim))
-    stop = trace(primary, ray, last=system.stop)
+        return paraxial.stop_radius(system), jnp.ones((), bool)
+    rim = jnp.array([0, 1], system.curvature.dtype)
+    stop = trace(system, _through(front, (0 * rim, 0 * rim), (0 * rim, rim)), last=system.stop)
     # from the chief ray: a stop that is decentred is filled about its own centre
     return stop.y[1] - stop.y[0], stop.has_course.all()
 

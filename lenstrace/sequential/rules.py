@@ -129,12 +129,7 @@ def _check_wavelengths(lens: Document) -> None:
             f"wavelengths: {len(waves.weights)} weights for {len(waves.um)} wavelengths; give one for each"
         )
     for um in waves.um:
-        if not (math.isfinite(um) and um > 0):
-            raise PrescriptionError(f"wavelengths: um must be positive, in micrometres, got {um:g}")
-        if um > LONGEST_UM:
-            raise PrescriptionError(
-                f"wavelengths: {um:g} um is no light for lenses; if it is meant in nanometres, write {um / 1000:g}"
-            )
+        check_wavelength(um)
     if len(set(waves.um)) != len(waves.um):
         raise PrescriptionError(f"wavelengths: each may stand once, got um = {list(waves.um)}")
     for weight in waves.weights:
@@ -142,6 +137,16 @@ def _check_wavelengths(lens: Document) -> None:
             raise PrescriptionError(f"wavelengths: weights must not be negative, got {weight}")
     if not is_traced(waves.weights) and not any(waves.weights):
         raise PrescriptionError("wavelengths: at least one weight must be positive, got only zeros")
+
+
+def check_wavelength(um: float) -> None:
+    """PrescriptionError for what is no wavelength in micrometres."""
+    if not (math.isfinite(um) and um > 0):
+        raise PrescriptionError(f"wavelengths: um must be positive, in micrometres, got {um:g}")
+    if um > LONGEST_UM:
+        raise PrescriptionError(
+            f"wavelengths: {um:g} um is no light for lenses; if it is meant in nanometres, write {um / 1000:g}"
+        )
 
 
 def _check_finite(value: Any, what: str) -> None:

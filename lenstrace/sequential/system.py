@@ -106,13 +106,18 @@ class System:
             gaps.append(-follows if kind.interaction is Interaction.REFLECT else follows)
         return tuple(gaps[:-1]), tuple(sides)
 
-    def at(self, wavelength: int | jax.Array) -> System:
-        """The system at one of its wavelengths, by its place: index becomes (S + 1,)."""
-        return self.replace(index=self.index[wavelength])
+    def at(self, wavelength: int) -> System:
+        """The system at one of its wavelengths, by its place: see `with_index`."""
+        return self.with_index(self.index[wavelength])
 
-    def replace(self, **numbers: Any) -> System:
-        """A copy with some arrays changed; the structure stays."""
-        return dataclasses.replace(self, **numbers)
+    def with_index(self, index: Any) -> System:
+        """The system at one wavelength, its index (S + 1,); without the lists of wavelengths and fields, so that
+        lenses that differ in them alone are traced by one program."""
+        return self.replace(index=index, weights=self.weights[:0], fields=self.fields[:0], primary=0)
+
+    def replace(self, **changes: Any) -> System:
+        """A copy with some fields changed."""
+        return dataclasses.replace(self, **changes)
 
     def astype(self, dtype: Any) -> System:
         """The same system in another precision; a trace runs in the precision of these arrays."""

@@ -105,7 +105,8 @@ def cross(ray: Ray, record: Record, kind: Kind, forward: jax.Array) -> tuple[Ray
         ray = _moved(ray, pose.local_point, pose.local_direction)
 
     steep = jnp.abs(ray.n) > FLAT
-    approach = jnp.where(steep, -ray.z / jnp.where(steep, ray.n, 1.0), -(ray.x * ray.l + ray.y * ray.m + ray.z * ray.n))
+    nearest = ray.x * ray.l + ray.y * ray.m + ray.z * ray.n
+    approach = -jnp.where(steep, ray.z, nearest) / jnp.where(steep, ray.n, 1)
     near = advance(ray, approach)
     point = (near.x, near.y, jnp.where(steep, 0.0, near.z))
     direction = (ray.l, ray.m, ray.n)
@@ -117,16 +118,17 @@ def cross(ray: Ray, record: Record, kind: Kind, forward: jax.Array) -> tuple[Ray
     crossing = shape.crossing(point, direction, side)
     x, y, z = crossing.point
 
-    failure = jnp.where(crossing.status > 0, failure_code(record.number, RayStatus.OK) + crossing.status, 0)
-    if kind.aperture is not ApertureKind.NONE:
-        clipped = ~passes(kind.aperture, record.aperture, x, y)
-        failure = jnp.where((failure == 0) & clipped, failure_code(record.number, RayStatus.CLIPPED), failure)
     geometry = (direction, crossing.normal, crossing.normal_squared, crossing.cosine, side)
     bent, transmitted = bend(kind.interaction, *geometry, record.index_before, record.index_after)
-    # a ray that met nothing goes straight on
-    l, m, n = (jnp.where(crossing.status == 0, new, old) for new, old in zip(bent, direction, strict=True))
-    failure = jnp.where((failure == 0) & ~transmitted, failure_code(record.number, RayStatus.TIR), failure)
-    failure = jnp.where(ray.failure == 0, failure, ray.failure).astype(ray.failure.dtype)
+    # a ray that met nothing, or is totally reflected, goes straight on
+    met = crossing.status == 0
+    l, m, n = (jnp.where(met & transmitted, new, old) for new, old in zip(bent, direction, strict=True))
+    reason = jnp.where(transmitted, int(RayStatus.OK), int(RayStatus.TIR))
+    if kind.aperture is not ApertureKind.NONE:
+        reason = jnp.where(passes(kind.aperture, record.aperture, x, y), reason, int(RayStatus.CLIPPED))
+    reason = jnp.where(met, reason, crossing.status).astype(ray.failure.dtype)
+    fails = (ray.failure == 0) & (reason > 0)
+    failure = jnp.where(fails, failure_code(record.number, reason), ray.failure)
 
     bent = Ray(x, y, z, l, m, n, failure, ray.opl)
     if ray.opl is None:

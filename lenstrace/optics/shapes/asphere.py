@@ -12,9 +12,12 @@ from lenstrace.optics.shapes.crossing import Crossing
 from lenstrace.optics.vectors import Vector, safe_divide, safe_sqrt
 from lenstrace.pytree import pytree, static
 
-NEWTON_STEPS = 10
-# The last step must be below this many units in the last place of the numbers involved: what cancels in a steep
-# series is noise in that step, not an error left over.
+MOST_NEWTON_STEPS = 12
+# No step follows one below this many square roots of eps, in units of the numbers involved: each step is about the
+# square of the one before, over the radius of curvature.
+LAST_STEP = 0.03
+# A crossing is found where the step that would follow is below this many eps: what cancels in a steep series is noise
+# in that step, not an error left over.
 NEWTON_TOLERANCE = 1e4
 
 
@@ -51,9 +54,9 @@ class Asphere:
     def crossing(self, point: Vector, direction: Vector, side: jax.Array) -> Crossing:
         """The crossing with the sheet through the vertex; arguments as for `Conic.crossing`.
 
-        Newton's method on z + t n - sag(x + t l, y + t m), a fixed number of steps from the conic's crossing or
-        from the point given, whichever is nearer the surface. The derivative is that of the implicit function,
-        to every order, and does not pass through the iteration.
+        Newton's method on z + t n - sag(x + t l, y + t m), from the conic's crossing or from the point given,
+        whichever is nearer the surface, until no ray of the block gains by another step. The derivative is that of
+        the implicit function, to every order, and does not pass through the iteration.
         """
         (x, y, z), (l, m, n) = point, direction
 
@@ -69,12 +72,23 @@ class Asphere:
         use_conic = (start.status == 0) & (jnp.abs(residual(start.distance)) < jnp.abs(residual(jnp.zeros_like(x))))
         first = jnp.where(use_conic, start.distance, 0.0)
 
+        eps = jnp.finfo(x.dtype).eps
+        scale = jnp.abs(x) + jnp.abs(y) + jnp.abs(z)
+
+        def unfinished(state: tuple[jax.Array, jax.Array, jax.Array]) -> jax.Array:
+            t, last, count = state
+            return jnp.any(jnp.abs(last) > LAST_STEP * eps**0.5 * (scale + jnp.abs(t))) & (count < MOST_NEWTON_STEPS)
+
+        def advance(state: tuple[jax.Array, jax.Array, jax.Array]) -> tuple[jax.Array, jax.Array, jax.Array]:
+            t, _, count = state
+            change = step(t)
+            return t - change, change, count + 1
+
         def solve(_: object, guess: jax.Array) -> jax.Array:
-            return lax.fori_loop(0, NEWTON_STEPS, lambda _, t: t - step(t), guess)
+            return lax.while_loop(unfinished, advance, (guess, jnp.full_like(guess, jnp.inf), 0))[0]
 
         t = lax.custom_root(residual, lax.stop_gradient(first), solve, _elementwise_solve)
-        scale = jnp.abs(t) + jnp.abs(x) + jnp.abs(y) + jnp.abs(z)
-        converged = jnp.abs(step(t)) <= NEWTON_TOLERANCE * jnp.finfo(t.dtype).eps * scale
+        converged = jnp.abs(step(t)) <= NEWTON_TOLERANCE * eps * (scale + jnp.abs(t))
         x, y, z = x + t * l, y + t * m, z + t * n
         _, slope, inside = self.slopes(x, y)
         normal = (-x * slope, -y * slope, jnp.ones_like(x))

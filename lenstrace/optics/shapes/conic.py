@@ -7,7 +7,7 @@ import jax.numpy as jnp
 
 from lenstrace.optics.rays import RayStatus
 from lenstrace.optics.shapes.crossing import Crossing
-from lenstrace.optics.vectors import Vector, safe_divide, safe_sqrt
+from lenstrace.optics.vectors import Vector, divide_where, root_or_zero, safe_sqrt
 from lenstrace.pytree import pytree
 
 MISSED = int(RayStatus.MISSED)
@@ -59,13 +59,14 @@ class Conic:
         f = c * (x * x + y * y + one_k * z * z) - 2 * z
         g = n - c * (x * l + y * m + one_k * z * n)
         a = c * (1 + self.conic * n * n)
-        inside = g * g - a * f
-        cosine = safe_sqrt(inside)
         against = side * g < 0
-        divisor = jnp.where(against, a, g + side * cosine)
-        t = safe_divide(jnp.where(against, g - side * cosine, f), divisor)
+        # a plane, or a parabola along its axis, met from behind has no such root
+        cosine = root_or_zero(jnp.where(against & (a == 0), 0, g * g - a * f))
+        numerator, divisor = jnp.where(against, g - side * cosine, f), jnp.where(against, a, g + side * cosine)
+        t = divide_where(cosine > 0, numerator, divisor)
         x, y, z = x + t * l, y + t * m, z + t * n
         normal = self.normal(x, y, z)
-        hit = (inside > 0) & (divisor != 0) & (normal[2] > 0)
-        normal_squared = normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2
+        # |N|^2 on the surface, where c (x^2 + y^2 + (1 + k) z^2) = 2 z
+        normal_squared = 1 - self.conic * c * z * (2 - one_k * c * z)
+        hit = (cosine > 0) & (normal[2] > 0)
         return Crossing(t, (x, y, z), normal, normal_squared, cosine, jnp.where(hit, 0, MISSED))

@@ -1,0 +1,239 @@
+"""A function of many rays, in blocks that stay in the processor's first-level cache, on all its cores.
+
+On a CPU, XLA compiles a function of arrays into dozens of loops, each of which writes whole arrays to memory. Told
+that the function is a "small call", it compiles one loop over blocks of rays, in which nothing leaves the cache:
+the same numbers, several times sooner. Such a loop runs on one core; a call from Python with many rays is shared
+out over threads. Where JAX traces the arguments there are no threads, and on other devices no blocks.
+"""
+
+from __future__ import annotations
+
+import functools
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import lax
+from jax.custom_derivatives import SymbolicZero
+from jax.experimental.xla_metadata import set_xla_metadata
+
+from lenstrace.compiled import compiled, is_outermost
+
+# Bytes that one number of every ray of a block takes; a dozen such arrays are alive at a time in a trace.
+BLOCK_BYTES = 512
+# Rays in the share of a thread: what it reads and writes stays in the second-level cache.
+CHUNK = 1 << 15
+ALIGNMENT = 64  # bytes: memory that begins at a multiple of it becomes a JAX array without being copied
+
+RayFunction = Callable[[Any, Any], Any]
+
+
+def each(function: RayFunction, parameters: Any, rays: Any) -> Any:
+    """function(parameters, rays), block by block.
+
+    function:    one of a module: it is compiled once for every structure of its arguments. It maps numbers, and arrays
+                 of rays, to arrays of rays, every ray by itself.
+    parameters:  any pytree.
+    rays:        a pytree of arrays of one shape, not empty; `function` sees them as (N,), N at most all.
+    Returns a pytree of arrays whose last axes are the shape of the rays. The derivatives are those of `function`.
+    """
+    run = _each(function)
+    if not _is_shared(parameters, rays):
+        return run(parameters, rays)
+    shape = np.shape(jax.tree.leaves(rays)[0])
+    rays = jax.tree.map(lambda a: np.asarray(a).reshape(-1), rays)
+    count = _count(rays)
+    shapes = jax.eval_shape(run, parameters, _cut(rays, 0, CHUNK))
+    results = jax.tree.map(lambda s: _aligned((*s.shape[:-1], count), s.dtype), shapes)
+
+    def share(start: int) -> None:
+        values = run(parameters, _cut(rays, start, CHUNK))
+        jax.tree.map(lambda all, some: _put(all, start, np.asarray(some)), results, values)
+
+    # the last share begins earlier, so that it is full
+    list(_threads().map(share, [*range(0, count - CHUNK, CHUNK), count - CHUNK]))
+    return jax.tree.map(lambda a: jnp.from_dlpack(a.reshape(*a.shape[:-1], *shape)), results)
+
+
+def total(function: Callable[..., Any], parameters: Any, cases: Any, rays: Any) -> Any:
+    """The sums over all rays of function(parameters, case, rays), for each of several cases; no ray is kept.
+
+    function:    one of a module; returns a pytree of arrays whose last axis is that of the rays, which is summed over.
+    parameters:  any pytree of floating-point numbers.
+    cases:       a pytree of arrays with a leading axis (C,).
+    rays:        a pytree of arrays (N,).
+    Returns sums with a leading axis (C,). Differentiable by the parameters, for each number that `function` gives a ray
+    at the cost of one derivative in reverse; neither by the cases nor by the rays (TypeError).
+    """
+    return _total(function)(parameters, cases, rays)
+
+
+@functools.cache
+def _each(function: RayFunction) -> RayFunction:
+    traced_once = jax.jit(function)
+
+    @jax.custom_jvp
+    def mapped(parameters: Any, rays: Any) -> Any:
+        return _in_one_loop(_map_blocks, traced_once, parameters, rays)
+
+    @mapped.defjvp
+    def _(primals: Any, tangents: Any) -> Any:
+        return jax.jvp(function, primals, tangents)
+
+    def of_any_shape(parameters: Any, rays: Any) -> Any:
+        shape = jax.tree.leaves(rays)[0].shape
+        results = mapped(parameters, jax.tree.map(lambda a: a.reshape(-1), rays))
+        return jax.tree.map(lambda a: a.reshape(*a.shape[:-1], *shape), results)
+
+    return compiled(of_any_shape)
+
+
+@functools.cache
+def _total(function: Callable[..., Any]) -> Callable[..., Any]:
+    @jax.jit
+    def sums(parameters: Any, case: Any, rays: Any, counted: jax.Array) -> Any:
+        return jax.tree.map(lambda a: jnp.sum(jnp.where(counted, a, 0), -1), function(parameters, case, rays))
+
+    @jax.jit
+    def sums_and_slopes(parameters: Any, case: Any, rays: Any, counted: jax.Array) -> Any:
+        def twice(parameters: Any) -> Any:
+            value = sums(parameters, case, rays, counted)
+            return value, value
+
+        slopes, value = jax.jacrev(twice, has_aux=True)(parameters)
+        return value, slopes
+
+    def over_all(which: Callable[..., Any]) -> Callable[..., Any]:
+        return compiled(functools.partial(_in_one_loop, _add_blocks, which))
+
+    value_of, value_and_slopes_of = over_all(sums), over_all(sums_and_slopes)
+
+    @jax.custom_jvp
+    def result(parameters: Any, cases: Any, rays: Any) -> Any:
+        return _added(value_of, parameters, cases, rays)
+
+    def rule(primals: Any, tangents: Any) -> Any:
+        moved, *fixed = tangents
+        if not all(map(_is_zero, jax.tree.leaves(fixed))):
+            raise TypeError("a total is differentiated by its parameters: give there what the rays and cases depend on")
+        value, slopes = _added(value_and_slopes_of, *primals)
+        leaves, structure = jax.tree.flatten(value)
+        return value, structure.unflatten(map(_along, structure.flatten_up_to(slopes), [moved] * len(leaves), leaves))
+
+    result.defjvp(rule, symbolic_zeros=True)
+    return result
+
+
+def _in_one_loop(loop: Callable[..., Any], function: Callable[..., Any], parameters: Any, rays: Any) -> Any:
+    """A loop over blocks, compiled as a small call; one block of all on other devices than a CPU."""
+    count = _count(rays)
+    if not _on_cpu():
+        return loop(function, count, parameters, rays)
+    size = min(count, BLOCK_BYTES // max(leaf.dtype.itemsize for leaf in jax.tree.leaves(rays)))
+
+    def unmarked(parameters: Any, rays: Any) -> Any:
+        # what is jitted further inside is inlined
+        with set_xla_metadata(xla_cpu_small_call=None, inlineable=None):
+            return loop(function, size, parameters, rays)
+
+    with set_xla_metadata(xla_cpu_small_call="true", inlineable="false"):
+        return jax.jit(unmarked)(parameters, rays)
+
+
+def _map_blocks(function: RayFunction, size: int, parameters: Any, rays: Any) -> Any:
+    """Results of all rays; the last block begins earlier, so that it is full."""
+    count = _count(rays)
+    if count == size:
+        return function(parameters, rays)
+    shapes = jax.eval_shape(function, parameters, _cut(rays, 0, size))
+
+    def step(i: jax.Array, results: Any) -> Any:
+        start = jnp.minimum(i * size, count - size)
+        values = function(parameters, _cut(rays, start, size))
+        return jax.tree.map(lambda all, some: lax.dynamic_update_slice_in_dim(all, some, start, -1), results, values)
+
+    nothing = jax.tree.map(lambda s: jnp.zeros((*s.shape[:-1], count), s.dtype), shapes)
+    return lax.fori_loop(0, -(-count // size), step, nothing)
+
+
+def _add_blocks(sums: Callable[..., Any], size: int, parameters: Any, rays: Any) -> Any:
+    """Sums over all rays but the first `old` ones; the last block begins earlier and counts what is new in it."""
+    parameters, cases, old = parameters
+    count = _count(rays)
+
+    def of_case(case: Any) -> Any:
+        shapes = jax.eval_shape(sums, parameters, case, _cut(rays, 0, size), jnp.arange(size) >= old)
+
+        def step(i: jax.Array, so_far: Any) -> Any:
+            start = jnp.minimum(i * size, count - size)
+            counted = start + jnp.arange(size) >= jnp.maximum(i * size, old)
+            return jax.tree.map(jnp.add, so_far, sums(parameters, case, _cut(rays, start, size), counted))
+
+        nothing = jax.tree.map(lambda s: jnp.zeros(s.shape, s.dtype), shapes)
+        return lax.fori_loop(0, -(-count // size), step, nothing)
+
+    return lax.map(of_case, cases)
+
+
+def _added(run: Callable[..., Any], parameters: Any, cases: Any, rays: Any) -> Any:
+    """The sums over all rays, out of those over chunks."""
+    if not _is_shared((parameters, cases), rays):
+        return run((parameters, cases, 0), rays)
+    count, rays = _count(rays), jax.tree.map(np.asarray, rays)
+
+    def share(number: int) -> Any:
+        start = min(number * CHUNK, count - CHUNK)
+        return run((parameters, cases, number * CHUNK - start), _cut(rays, start, CHUNK))
+
+    parts = list(_threads().map(share, range(-(-count // CHUNK))))
+    return jax.tree.map(lambda *each: jnp.asarray(sum(map(np.asarray, each))), *parts)
+
+
+def _is_shared(parameters: Any, rays: Any) -> bool:
+    """True where threads are opened: for many rays, none of them traced by JAX, on a CPU."""
+    return is_outermost((parameters, rays)) and _count(rays) >= 2 * CHUNK and _on_cpu()
+
+
+def _along(slopes: Any, moved: Any, value: jax.Array) -> jax.Array:
+    """The derivative of one result along the tangents of the parameters, whose axes come last in its slopes."""
+    pairs = zip(jax.tree.leaves(slopes), jax.tree.leaves(moved), strict=True)
+    return sum((jnp.tensordot(s, t, jnp.ndim(t)) for s, t in pairs if not _is_zero(t)), jnp.zeros_like(value))
+
+
+def _is_zero(tangent: Any) -> bool:
+    return isinstance(tangent, SymbolicZero) or tangent.dtype == jax.dtypes.float0
+
+
+def _count(rays: Any) -> int:
+    return np.size(jax.tree.leaves(rays)[0])
+
+
+def _cut(rays: Any, start: Any, size: int) -> Any:
+    if isinstance(start, int):
+        return jax.tree.map(lambda a: a[start : start + size], rays)
+    return jax.tree.map(lambda a: lax.dynamic_slice_in_dim(a, start, size), rays)
+
+
+def _put(all: np.ndarray, start: int, some: np.ndarray) -> None:
+    all[..., start : start + some.shape[-1]] = some
+
+
+def _aligned(shape: tuple[int, ...], dtype: Any) -> np.ndarray:
+    """An array not yet filled, of memory that JAX takes as it is."""
+    size = int(np.prod(shape)) * dtype.itemsize
+    raw = np.empty(size + ALIGNMENT, np.uint8)
+    start = -raw.ctypes.data % ALIGNMENT
+    return raw[start : start + size].view(dtype).reshape(shape)
+
+
+def _on_cpu() -> bool:
+    return jax.default_backend() == "cpu"
+
+
+@functools.cache
+def _threads() -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(os.cpu_count())
