@@ -17,9 +17,11 @@ if "JAX_ENABLE_X64" not in os.environ:
     jax.config.update("jax_enable_x64", True)
 
 from lenstrace.analysis.cardinal import Overview, first_order, overview
+from lenstrace.analysis.mean_square import mean_square_spot
 from lenstrace.analysis.newton import NewtonCheck, newton_check
 from lenstrace.analysis.rays import ray, trace
 from lenstrace.analysis.spots import Spots, spots
+from lenstrace.compiled import COMPILER_OPTIONS
 from lenstrace.errors import (
     ImageError,
     LensTraceError,
@@ -50,6 +52,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
+    "COMPILER_OPTIONS",
     "Aperture",
     "Fields",
     "FirstOrder",
@@ -77,6 +80,7 @@ __all__ = [
     "lens",
     "load",
     "loads",
+    "mean_square_spot",
     "newton_check",
     "overview",
     "plot_first_order",

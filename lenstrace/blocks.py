@@ -21,12 +21,13 @@ from jax import lax
 from jax.custom_derivatives import SymbolicZero
 from jax.experimental.xla_metadata import set_xla_metadata
 
-from lenstrace.compiled import compiled, is_outermost
+from lenstrace.compiled import compiled
+from lenstrace.pytree import is_traced
 
 # Bytes that one number of every ray of a block takes; a dozen such arrays are alive at a time in a trace.
 BLOCK_BYTES = 512
 # Rays in the share of a thread: what it reads and writes stays in the second-level cache.
-CHUNK = 1 << 15
+CHUNK = 1 << 16
 ALIGNMENT = 64  # bytes: memory that begins at a multiple of it becomes a JAX array without being copied
 
 RayFunction = Callable[[Any, Any], Any]
@@ -62,12 +63,12 @@ def each(function: RayFunction, parameters: Any, rays: Any) -> Any:
 def total(function: Callable[..., Any], parameters: Any, cases: Any, rays: Any) -> Any:
     """The sums over all rays of function(parameters, case, rays), for each of several cases; no ray is kept.
 
-    function:    one of a module; returns a pytree of arrays whose last axis is that of the rays, which is summed over.
+    function:    one of a module; returns a pytree of arrays of the shape of the rays it is given, (N,) or ().
     parameters:  any pytree of floating-point numbers.
     cases:       a pytree of arrays with a leading axis (C,).
     rays:        a pytree of arrays (N,).
-    Returns sums with a leading axis (C,). Differentiable by the parameters, for each number that `function` gives a ray
-    at the cost of one derivative in reverse; neither by the cases nor by the rays (TypeError).
+    Returns sums (C,). Differentiable by the parameters, for each of the sums at the cost of one derivative in reverse;
+    neither by the cases nor by the rays (TypeError).
     """
     return _total(function)(parameters, cases, rays)
 
@@ -92,40 +93,70 @@ def _each(function: RayFunction) -> RayFunction:
     return compiled(of_any_shape)
 
 
+def moving(primal: Any, tangent: Any) -> tuple[tuple[Any, ...], tuple[Any, ...], Callable[[Any], Any]]:
+    """The leaves of a pytree whose symbolic tangents are not zero, these tangents, and what puts other leaves there."""
+    leaves, structure = jax.tree.flatten(primal)
+    tangents = jax.tree.leaves(tangent)
+    which = [i for i, each in enumerate(tangents) if not _is_zero(each)]
+
+    def rebuilt(moved: Any) -> Any:
+        return structure.unflatten([moved[which.index(i)] if i in which else leaf for i, leaf in enumerate(leaves)])
+
+    return tuple(leaves[i] for i in which), tuple(tangents[i] for i in which), rebuilt
+
+
 @functools.cache
 def _total(function: Callable[..., Any]) -> Callable[..., Any]:
     @jax.jit
     def sums(parameters: Any, case: Any, rays: Any, counted: jax.Array) -> Any:
         return jax.tree.map(lambda a: jnp.sum(jnp.where(counted, a, 0), -1), function(parameters, case, rays))
 
-    @jax.jit
-    def sums_and_slopes(parameters: Any, case: Any, rays: Any, counted: jax.Array) -> Any:
-        def twice(parameters: Any) -> Any:
-            value = sums(parameters, case, rays, counted)
-            return value, value
+    @functools.partial(jax.jit, static_argnums=0)
+    def sums_and_slopes(which: tuple[int, ...], parameters: Any, case: Any, rays: Any, counted: jax.Array) -> Any:
+        leaves, structure = jax.tree.flatten(parameters)
 
-        slopes, value = jax.jacrev(twice, has_aux=True)(parameters)
-        return value, slopes
+        def of_ray(ray: Any) -> Any:
+            def values(moved: list[Any]) -> Any:
+                all = [moved[which.index(i)] if i in which else leaf for i, leaf in enumerate(leaves)]
+                return function(structure.unflatten(all), case, ray)
 
-    def over_all(which: Callable[..., Any]) -> Callable[..., Any]:
-        return compiled(functools.partial(_in_one_loop, _add_blocks, which))
+            value, pull = jax.vjp(values, [leaves[i] for i in which])
+            return value, [pull(unit)[0] for unit in _units(value)]
 
-    value_of, value_and_slopes_of = over_all(sums), over_all(sums_and_slopes)
+        # one ray at a time, and the sum over the rays last: a sum at every surface would cost more than the trace
+        return jax.tree.map(lambda a: jnp.tensordot(counted.astype(a.dtype), a, 1), jax.vmap(of_ray)(rays))
+
+    @functools.cache
+    def over_all(which: tuple[int, ...] | None) -> Callable[..., Any]:
+        of_block = sums if which is None else functools.partial(sums_and_slopes, which)
+        return compiled(functools.partial(_in_one_loop, _add_blocks, of_block))
 
     @jax.custom_jvp
     def result(parameters: Any, cases: Any, rays: Any) -> Any:
-        return _added(value_of, parameters, cases, rays)
+        return _added(over_all(None), parameters, cases, rays)
 
     def rule(primals: Any, tangents: Any) -> Any:
         moved, *fixed = tangents
         if not all(map(_is_zero, jax.tree.leaves(fixed))):
             raise TypeError("a total is differentiated by its parameters: give there what the rays and cases depend on")
-        value, slopes = _added(value_and_slopes_of, *primals)
+        tangents = jax.tree.leaves(moved)
+        which = tuple(i for i, tangent in enumerate(tangents) if not _is_zero(tangent))
+        value, slopes = _added(over_all(which), *primals)
         leaves, structure = jax.tree.flatten(value)
-        return value, structure.unflatten(map(_along, structure.flatten_up_to(slopes), [moved] * len(leaves), leaves))
+        along = [tangents[i] for i in which]
+        return value, structure.unflatten(map(_along, slopes, [along] * len(leaves), leaves))
 
     result.defjvp(rule, symbolic_zeros=True)
     return result
+
+
+def _units(value: Any) -> list[Any]:
+    """Cotangents that pick one leaf each."""
+    leaves, structure = jax.tree.flatten(value)
+    return [
+        structure.unflatten([jnp.ones_like(leaf) if i == j else jnp.zeros_like(leaf) for j, leaf in enumerate(leaves)])
+        for i in range(len(leaves))
+    ]
 
 
 def _in_one_loop(loop: Callable[..., Any], function: Callable[..., Any], parameters: Any, rays: Any) -> Any:
@@ -174,7 +205,7 @@ def _add_blocks(sums: Callable[..., Any], size: int, parameters: Any, rays: Any)
             return jax.tree.map(jnp.add, so_far, sums(parameters, case, _cut(rays, start, size), counted))
 
         nothing = jax.tree.map(lambda s: jnp.zeros(s.shape, s.dtype), shapes)
-        return lax.fori_loop(0, -(-count // size), step, nothing)
+        return lax.fori_loop(old // size, -(-count // size), step, nothing)
 
     return lax.map(of_case, cases)
 
@@ -195,13 +226,13 @@ def _added(run: Callable[..., Any], parameters: Any, cases: Any, rays: Any) -> A
 
 def _is_shared(parameters: Any, rays: Any) -> bool:
     """True where threads are opened: for many rays, none of them traced by JAX, on a CPU."""
-    return is_outermost((parameters, rays)) and _count(rays) >= 2 * CHUNK and _on_cpu()
+    return not is_traced((parameters, rays)) and _count(rays) >= 2 * CHUNK and _on_cpu()
 
 
-def _along(slopes: Any, moved: Any, value: jax.Array) -> jax.Array:
+def _along(slopes: list[Any], moved: list[Any], value: jax.Array) -> jax.Array:
     """The derivative of one result along the tangents of the parameters, whose axes come last in its slopes."""
-    pairs = zip(jax.tree.leaves(slopes), jax.tree.leaves(moved), strict=True)
-    return sum((jnp.tensordot(s, t, jnp.ndim(t)) for s, t in pairs if not _is_zero(t)), jnp.zeros_like(value))
+    parts = (jnp.tensordot(slope, tangent, jnp.ndim(tangent)) for slope, tangent in zip(slopes, moved, strict=True))
+    return sum(parts, jnp.zeros_like(value))
 
 
 def _is_zero(tangent: Any) -> bool:

@@ -1,9 +1,10 @@
-"""How a question is compiled: with options for this CPU where it is the outermost one, within the caller's program else."""
+"""How a question is compiled: with options of its own, or into the program that the caller compiles."""
 
 from __future__ import annotations
 
 import functools
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any, TypeVar, cast
 
 import jax
@@ -11,10 +12,10 @@ from jax._src.core import trace_state_clean  # there is no public way to ask
 
 from lenstrace.pytree import is_traced
 
-# JAX takes them for an outermost `jit` alone; give them to your own, `jax.jit(f, compiler_options=lenstrace.OPTIONS)`.
+# JAX takes them for an outermost `jit` alone; give them to your own, `jax.jit(f, compiler_options=lenstrace.COMPILER_OPTIONS)`.
 # The vector width makes the trace 1.5 times faster where AVX-512 is known (elsewhere it changes nothing); without the
 # fusion emitters a program compiles in half the time and runs as fast.
-OPTIONS: dict[str, str | bool] = {
+COMPILER_OPTIONS: dict[str, str | bool] = {
     "xla_cpu_prefer_vector_width": "512",
     "xla_cpu_use_fusion_emitters": False,
 }
@@ -23,16 +24,19 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def compiled(function: Function) -> Function:
-    """`jax.jit`, with OPTIONS where it is called from Python and not from a function that JAX traces."""
-    inside, outside = jax.jit(function), jax.jit(function, compiler_options=OPTIONS)
+    """`jax.jit`, with COMPILER_OPTIONS where it is not a part of a program that JAX traces.
+
+    Called with plain numbers by a function that JAX traces, it computes at once, in a thread where nothing is traced.
+    """
+    inside, outside = jax.jit(function), jax.jit(function, compiler_options=COMPILER_OPTIONS)
 
     @functools.wraps(function)
     def call(*arguments: Any) -> Any:
-        return (outside if is_outermost(arguments) else inside)(*arguments)
+        if is_traced(arguments):
+            return inside(*arguments)
+        if trace_state_clean():
+            return outside(*arguments)
+        with ThreadPoolExecutor(1) as thread:
+            return thread.submit(outside, *arguments).result()
 
     return cast(Function, call)
-
-
-def is_outermost(arguments: Any) -> bool:
-    """True where nothing is traced by JAX, neither the arguments nor the function that is running."""
-    return trace_state_clean() and not is_traced(arguments)

@@ -2,20 +2,28 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import lax
 
-from lenstrace.analysis.conditions import require_image
-from lenstrace.blocks import total
-from lenstrace.sequential.launch import launch
+from lenstrace.analysis.conditions import with_image
+from lenstrace.blocks import moving, total
+from lenstrace.sequential.launch import Front, launch
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.sampling import pupil_points
-from lenstrace.sequential.system import System
 from lenstrace.sequential.trace import trace
+
+
+class Imaged(NamedTuple):
+    """The front of a lens, its fields (F, 2), its index (W, S + 1) and the weights of its wavelengths (W,)."""
+
+    front: Front
+    fields: jax.Array
+    index: jax.Array
+    weights: jax.Array
 
 
 def mean_square_spot(lens: Lens, *, pattern: str = "hexapolar", rings: int = 6) -> jax.Array:
@@ -25,55 +33,63 @@ def mean_square_spot(lens: Lens, *, pattern: str = "hexapolar", rings: int = 6) 
     that a million take no memory, and the gradient takes the time of about five traces. nan where no ray arrives.
     pattern, rings: how the pupil is sampled, see `pupil_points`. ImageError where the image is at infinity.
     """
-    require_image(lens, "a spot")
-    dtype = lens.system.curvature.dtype
-    return _mean_square(lens.system, tuple(p.astype(dtype) for p in pupil_points(pattern, rings)))
+    system, front = with_image(lens, "a spot")
+    pupil = tuple(p.astype(system.curvature.dtype) for p in pupil_points(pattern, rings))
+    return _mean_square(Imaged(front, *map(jnp.asarray, (system.fields, system.index, system.weights))), pupil)
 
 
 @jax.custom_jvp
-def _mean_square(system: System, pupil: tuple[np.ndarray, np.ndarray]) -> jax.Array:
-    return _about(system, _centroids(system, pupil), pupil)
+def _mean_square(lens: Imaged, pupil: tuple[np.ndarray, np.ndarray]) -> jax.Array:
+    return _about(lens, pupil, *_centres(lens, pupil))
 
 
-@_mean_square.defjvp
-def _(primals: Any, tangents: Any) -> Any:
-    """The mean square is least about the centroid: as the lens changes, the centroid may stay where it is."""
-    system, pupil = primals
-    cases = _centroids(system, pupil)
-    return jax.jvp(lambda moved: _about(moved, cases, pupil), (system,), tangents[:1])
+def _derivative(primals: Any, tangents: Any) -> Any:
+    """The mean square is least about the centroid: as the lens changes, that point may stay where it is."""
+    lens, pupil = primals
+    fixed = _centres(lens, pupil)
+    moves, along, rebuilt = moving(lens, tangents[0])
+    return jax.jvp(lambda *moved: _about(rebuilt(moved), pupil, *fixed), moves, along)
 
 
-def _centroids(system: System, pupil: Any) -> tuple[jax.Array, jax.Array, jax.Array]:
-    """Of each field: itself (F, 2), the centroid (F, 2), and the sum of the weights of its rays (F,)."""
-    fields = jnp.asarray(system.fields)
-    weight, x, y = total(_weighted_places, system, fields, pupil)
-    return fields, jnp.stack([x, y], -1) / weight[:, None], weight
+_mean_square.defjvp(_derivative, symbolic_zeros=True)
 
 
-def _about(system: System, cases: Any, pupil: Any) -> jax.Array:
-    return total(_weighted_squares, system, cases, pupil) / cases[-1]
+def _centres(lens: Imaged, pupil: Any) -> tuple[jax.Array, jax.Array]:
+    """The centroid of each field (F, 2), and how many rays of each field and wavelength arrive (F, W)."""
+    sums = total(_places, lens, _pairs(lens), pupil)
+    rays, x, y = (a.reshape(len(lens.fields), -1) for a in sums)
+    weight = rays @ lens.weights
+    return jnp.stack([x @ lens.weights / weight, y @ lens.weights / weight], -1), rays
 
 
-def _weighted_places(system: System, field: jax.Array, pupil: Any) -> tuple[jax.Array, jax.Array, jax.Array]:
-    """Weight, and weight times x and y, of the rays of a field, all wavelengths added."""
-    x, y, weight = _arriving(system, field, pupil)
-    return weight.sum(0), (weight * x).sum(0), (weight * y).sum(0)
+def _about(lens: Imaged, pupil: Any, centres: jax.Array, rays: jax.Array) -> jax.Array:
+    fields, waves = _pairs(lens)
+    squares = total(_squares, lens, (fields, waves, centres[fields]), pupil).reshape(rays.shape)
+    return squares @ lens.weights / (rays @ lens.weights)
 
 
-def _weighted_squares(system: System, case: tuple[jax.Array, jax.Array, jax.Array], pupil: Any) -> jax.Array:
-    """Weight times squared distance from the centre of the rays of a field, all wavelengths added."""
-    field, centre, _ = case
-    x, y, weight = _arriving(system, field, pupil)
-    return (weight * ((x - centre[0]) ** 2 + (y - centre[1]) ** 2)).sum(0)
+def _pairs(lens: Imaged) -> tuple[np.ndarray, np.ndarray]:
+    """The numbers of field and wavelength of every pair of them, the fields in blocks."""
+    fields, waves = np.divmod(np.arange(lens.fields.shape[0] * lens.weights.shape[0]), lens.weights.shape[0])
+    return fields, waves
 
 
-def _arriving(system: System, field: jax.Array, pupil: Any) -> tuple[jax.Array, jax.Array, jax.Array]:
-    """x, y and weight at the image, (W, N); a lost ray has the weight 0."""
-    primary = system.at(system.primary)
+def _places(lens: Imaged, case: tuple[jax.Array, jax.Array], pupil: Any) -> tuple[jax.Array, jax.Array, jax.Array]:
+    """Of each ray: 1 where it arrives, else 0, and its x and y."""
+    x, y, arrives = _arriving(lens, *case, pupil)
+    return arrives, arrives * x, arrives * y
 
-    def at(colour: tuple[jax.Array, jax.Array]) -> tuple[jax.Array, jax.Array, jax.Array]:
-        index, weight = colour
-        image = trace(system.with_index(index), launch(primary, index, (field[0], field[1]), pupil))
-        return image.x, image.y, jnp.where(image.ok, weight, 0)
 
-    return lax.map(at, (jnp.asarray(system.index), jnp.asarray(system.weights)))
+def _squares(lens: Imaged, case: tuple[jax.Array, jax.Array, jax.Array], pupil: Any) -> jax.Array:
+    """The squared distance of each ray from the centre."""
+    field, wave, centre = case
+    x, y, arrives = _arriving(lens, field, wave, pupil)
+    return arrives * ((x - centre[0]) ** 2 + (y - centre[1]) ** 2)
+
+
+def _arriving(lens: Imaged, field: jax.Array, wave: jax.Array, pupil: Any) -> tuple[jax.Array, jax.Array, jax.Array]:
+    """x and y at the image, and 1 where a ray arrives, else 0."""
+    index = lax.dynamic_index_in_dim(lens.index, wave, keepdims=False)
+    angles = lax.dynamic_index_in_dim(lens.fields, field, keepdims=False)
+    image = trace(lens.front.system.with_index(index), launch(lens.front, index, (angles[0], angles[1]), pupil))
+    return image.x, image.y, image.ok.astype(image.x.dtype)

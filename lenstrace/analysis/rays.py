@@ -11,13 +11,13 @@ import jax.numpy as jnp
 import numpy as np
 from jax.typing import ArrayLike
 
-from lenstrace.analysis.conditions import require_pupil
+from lenstrace.analysis.conditions import with_pupil
 from lenstrace.blocks import each
 from lenstrace.errors import RayError
 from lenstrace.optics.rays import Ray, living
 from lenstrace.pytree import is_traced, pytree, static
 from lenstrace.sequential.build import index_at
-from lenstrace.sequential.launch import launch
+from lenstrace.sequential.launch import Front, launch
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.rules import check_field, check_wavelength
 from lenstrace.sequential.system import System
@@ -55,18 +55,19 @@ def trace(
     counts from the launch point. Failed rays have a `status` and a `surface`, and finite numbers.
     RayError for a direction that is not a unit vector; WavelengthError outside a glass's range.
     """
-    system = lens.system
-    asked = _Asked(system.at(system.primary), _index(lens, wavelength), path, opl)
     if rays is not None:
+        system = lens.system
+        asked = _Asked(system.with_index(_index(lens, system, wavelength)), path, opl)
         answer, sound = each(_through, asked, _in_precision(rays, system.curvature.dtype))
         if not is_traced(sound) and not np.asarray(sound).all():
             _check(rays)
         return answer
-    require_pupil(lens)
+    system, front = with_pupil(lens)
     x, y = map(_floats, field if isinstance(field, tuple) else (0.0, field))
     check_field(lens, x, y)
     points = (x * lens.fields.scale, y * lens.fields.scale, *map(_floats, pupil))
-    return each(_launched, asked, _numbers(points, system.curvature.dtype))
+    asked = _Asked(system.with_index(_index(lens, system, wavelength)), path, opl)
+    return each(_launched, (front, asked), _numbers(points, system.curvature.dtype))
 
 
 def ray(point: tuple[ArrayLike, ArrayLike, ArrayLike], direction: tuple[ArrayLike, ArrayLike, ArrayLike]) -> Ray:
@@ -80,17 +81,16 @@ def ray(point: tuple[ArrayLike, ArrayLike, ArrayLike], direction: tuple[ArrayLik
 
 @pytree
 class _Asked:
-    """A lens at its primary wavelength, the index at the one asked for, and what is wanted of the rays."""
+    """A lens at the wavelength asked for, and what is wanted of the rays."""
 
     system: System
-    index: jax.Array
     path: bool = static()
     opl: bool = static()
 
 
-def _index(lens: Lens, wavelength: float | None) -> Any:
+def _index(lens: Lens, system: System, wavelength: float | None) -> Any:
     """The index of every space at a wavelength, in the precision of the lens."""
-    system, waves = lens.system, lens.wavelengths
+    waves = lens.wavelengths
     if is_traced(wavelength):
         raise RayError("wavelength cannot be traced by JAX: glasses are looked up by it; differentiate by the index")
     if wavelength is None or wavelength in waves.um:
@@ -149,13 +149,12 @@ def _through(asked: _Asked, rays: Ray) -> tuple[Ray, jax.Array]:
     return _arriving(asked, rays, sense), _is_sound(rays)
 
 
-def _launched(asked: _Asked, points: tuple[jax.Array, jax.Array, jax.Array, jax.Array]) -> Ray:
+def _launched(asked: tuple[Front, _Asked], points: tuple[jax.Array, jax.Array, jax.Array, jax.Array]) -> Ray:
+    front, of_rays = asked
     field_x, field_y, pupil_x, pupil_y = points
-    return _arriving(asked, launch(asked.system, asked.index, (field_x, field_y), (pupil_x, pupil_y)), 1.0)
+    return _arriving(of_rays, launch(front, of_rays.system.index, (field_x, field_y), (pupil_x, pupil_y)), 1.0)
 
 
 def _arriving(asked: _Asked, rays: Ray, sense: Any) -> Ray:
     opl = (jnp.zeros_like(rays.x) if rays.opl is None else rays.opl) if asked.opl else None
-    return trace_system(
-        asked.system.with_index(asked.index), dataclasses.replace(rays, opl=opl), path=asked.path, sense=sense
-    )
+    return trace_system(asked.system, dataclasses.replace(rays, opl=opl), path=asked.path, sense=sense)

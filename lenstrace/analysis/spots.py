@@ -7,14 +7,14 @@ import jax.numpy as jnp
 import numpy as np
 from jax import lax
 
-from lenstrace.analysis.conditions import require_image
+from lenstrace.analysis.conditions import with_image
 from lenstrace.blocks import each
 from lenstrace.compiled import compiled
 from lenstrace.errors import LostRaysError
 from lenstrace.optics.rays import RayStatus, has_course, split_failure
 from lenstrace.optics.vectors import safe_sqrt
 from lenstrace.pytree import is_traced, pytree
-from lenstrace.sequential.launch import launch
+from lenstrace.sequential.launch import Front, launch
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.sampling import pupil_points
 from lenstrace.sequential.system import System
@@ -76,8 +76,8 @@ def spots(lens: Lens, *, pattern: str = "hexapolar", rings: int = 6) -> Spots:
     pattern, rings: how the pupil is sampled, see `pupil_points`.
     LostRaysError where no ray of a field arrives, ImageError where the image is at infinity.
     """
-    require_image(lens, "a spot")
-    result = _spots(lens.system, *pupil_points(pattern, rings))
+    system, front = with_image(lens, "a spot")
+    result = _spots(front, system, *pupil_points(pattern, rings))
     if not is_traced(result):
         _check_arrivals(lens, result)
     return result
@@ -91,7 +91,7 @@ def loss_text(losses: dict[tuple[int, RayStatus], int]) -> str:
     )
 
 
-def _spots(system: System, pupil_x: np.ndarray, pupil_y: np.ndarray) -> Spots:
+def _spots(front: Front, system: System, pupil_x: np.ndarray, pupil_y: np.ndarray) -> Spots:
     """The chief ray goes first among the rays of a field."""
     dtype = system.curvature.dtype
     pupil = (np.insert(p, 0, 0.0).astype(dtype) for p in (pupil_x, pupil_y))
@@ -99,19 +99,18 @@ def _spots(system: System, pupil_x: np.ndarray, pupil_y: np.ndarray) -> Spots:
     fields = (system.fields[:, i] for i in (0, 1))
     xp = jnp if isinstance(system.fields, jax.Array) else np
     points = (*(xp.repeat(f, count) for f in fields), *(np.tile(p, len(system.fields)) for p in pupil))
-    return _figures(each(_arriving, system, points), system)
+    return _figures(each(_arriving, (front, system.index), points), system)
 
 
-def _arriving(system: System, points: tuple[jax.Array, ...]) -> tuple[jax.Array, jax.Array, jax.Array]:
-    """x, y and failure at the image, (W, N)."""
-    field_x, field_y, pupil_x, pupil_y = points
-    primary = system.at(system.primary)
+def _arriving(lens: tuple[Front, jax.Array], points: tuple[jax.Array, ...]) -> tuple[jax.Array, jax.Array, jax.Array]:
+    """x, y and failure at the image, (W, N); lens: its front, and its index (W, S + 1)."""
+    (front, indices), (field_x, field_y, pupil_x, pupil_y) = lens, points
 
     def at(index: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
-        image = trace(system.with_index(index), launch(primary, index, (field_x, field_y), (pupil_x, pupil_y)))
+        image = trace(front.system.with_index(index), launch(front, index, (field_x, field_y), (pupil_x, pupil_y)))
         return image.x, image.y, image.failure
 
-    return lax.map(at, jnp.asarray(system.index))
+    return lax.map(at, jnp.asarray(indices))
 
 
 @compiled

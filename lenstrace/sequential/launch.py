@@ -21,21 +21,45 @@ FLAT = 0.01
 
 
 class Front(NamedTuple):
-    """What a launch needs to know of a lens: the system at its primary wavelength, and its entrance pupil there."""
+    """What launching needs to know of a lens, the same for all rays; see `front_of`.
+
+    system:    at its primary wavelength.
+    entrance:  its entrance pupil there.
+    scale:     of fields given as image heights: the object focal length (mm), of a near object the magnification.
+    radius:    of the stop, mm, that pupil coordinate 1 means for rays that are aimed, and
+    known:     1 if the ray that says so arrives, else 0.
+    """
 
     system: System
     entrance: paraxial.Pupil
+    scale: jax.Array
+    radius: jax.Array
+    known: jax.Array
+
+
+def front_of(system: System) -> Front:
+    """The front of a system, given at its primary wavelength."""
+    entrance = paraxial.entrance_pupil(system)
+    radius = entrance.diameter / 2
+    scale = known = jnp.ones_like(radius)
+    if system.field_kind == "image_height":
+        near = system.object_distance is not None
+        scale = paraxial.magnification(system) if near else paraxial.first_order(system).object_focal_length
+    if system.ray_aiming and system.aperture_kind == "stop_semi_diameter":
+        radius = paraxial.stop_radius(system)
+    elif system.ray_aiming:
+        radius, known = _aimed_radius(Front(system, entrance, scale, radius, known))
+    return Front(system, entrance, scale, radius, known)
 
 
 def launch(
-    system: System,
+    front: Front,
     index: jax.Array,
     field: tuple[jax.Array, jax.Array],
     pupil: tuple[jax.Array, jax.Array],
 ) -> Ray:
     """Rays of a field through points of the pupil, on the plane through the first vertex.
 
-    system:  at its primary wavelength, whose pupil it is.
     index:   (S + 1,), at the wavelength of the rays; it counts where rays are aimed.
     field:   x and y, radians or mm as `system.field_kind` says; any shape that broadcasts with the pupil.
     pupil:   x and y, in units of the radius of the paraxial entrance pupil, or of the stop if rays are aimed.
@@ -43,13 +67,12 @@ def launch(
     A ray nearly parallel to the vertex plane starts at its point nearest to the vertex instead. A ray that cannot be
     aimed has status NOT_CONVERGED at surface 0.
     """
-    front = Front(system, paraxial.entrance_pupil(system))
-    fx, fy, px, py = jnp.broadcast_arrays(*field, *pupil)
+    system, radius = front.system, front.radius
     if not system.ray_aiming:
-        return _through(front, (fx, fy), (px, py))
+        return _through(front, field, pupil)
+    fx, fy, px, py = jnp.broadcast_arrays(*field, *pupil)
 
     here = system.replace(index=index)
-    radius, known = _aimed_radius(front)
 
     def at_stop(shift: tuple[jax.Array, jax.Array], share: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
         stop = trace(here, _shifted(front, (share * fx, share * fy), shift), last=system.stop)
@@ -62,12 +85,12 @@ def launch(
     shift, aimed = aim(at_stop, guess, fx)
     ray = _shifted(front, (fx, fy), shift)
     lost = failure_code(0, RayStatus.NOT_CONVERGED)
-    return dataclasses.replace(ray, failure=jnp.where(aimed & known, ray.failure, lost).astype(jnp.int32))
+    return dataclasses.replace(ray, failure=jnp.where(aimed & (front.known > 0), ray.failure, lost).astype(jnp.int32))
 
 
 def object_point(front: Front, field: tuple[jax.Array, jax.Array]) -> Vector:
     """The object point of a field, mm from the first vertex; the system has its object at a finite distance."""
-    system, entrance = front
+    system, entrance = front.system, front.entrance
     assert system.object_distance is not None
     fx, fy = field
     distance = jnp.asarray(system.object_distance)
@@ -76,20 +99,18 @@ def object_point(front: Front, field: tuple[jax.Array, jax.Array]) -> Vector:
             scale = -(distance + jnp.where(jnp.isfinite(entrance.position), entrance.position, 0.0))
             x, y = scale * jnp.tan(fx), scale * jnp.tan(fy)
         case "image_height":
-            m = paraxial.magnification(system)
-            x, y = fx / m, fy / m
+            x, y = fx / front.scale, fy / front.scale
         case _:
             x, y = fx, fy
     return x, y, jnp.broadcast_to(-distance, x.shape)
 
 
-def field_direction(system: System, field: tuple[jax.Array, jax.Array]) -> Vector:
+def field_direction(front: Front, field: tuple[jax.Array, jax.Array]) -> Vector:
     """Direction of the light of a field at infinity: along (tan ax, tan ay, 1); for a field in one plane
     (0, sin a, cos a), also at 90 degrees and beyond."""
     fx, fy = field
-    if system.field_kind == "image_height":
-        f = paraxial.first_order(system).object_focal_length
-        return normalize((-fx / f, -fy / f, jnp.ones_like(fx)))
+    if front.system.field_kind == "image_height":
+        return normalize((-fx / front.scale, -fy / front.scale, jnp.ones_like(fx)))
     # (tan ax, tan ay, 1) times cos ax cos ay, which is finite and has the right sense at and beyond 90 degrees
     cx, cy = jnp.cos(fx), jnp.cos(fy)
     return normalize((jnp.sin(fx) * cy, jnp.sin(fy) * cx, cx * cy))
@@ -97,14 +118,14 @@ def field_direction(system: System, field: tuple[jax.Array, jax.Array]) -> Vecto
 
 def _through(front: Front, field: tuple[jax.Array, jax.Array], pupil: tuple[jax.Array, jax.Array]) -> Ray:
     """Rays through points of the paraxial entrance pupil, given in units of its radius."""
-    system, entrance = front
+    system, entrance = front.system, front.entrance
     px, py = pupil
     far = ~jnp.isfinite(entrance.position)
     radius = jnp.where(far, 0.0, entrance.diameter / 2)
     position = jnp.broadcast_to(jnp.where(far, 0.0, entrance.position), px.shape)
     target = (px * radius, py * radius, position)
     if system.object_distance is None:
-        return _ray(target, field_direction(system, field))
+        return _ray(target, field_direction(front, field))
     start = object_point(front, field)
     towards = _forward(normalize(_minus(target, start)))
     if system.aperture_kind != "object_na":
@@ -118,7 +139,7 @@ def _through(front: Front, field: tuple[jax.Array, jax.Array], pupil: tuple[jax.
 def _shifted(front: Front, field: tuple[jax.Array, jax.Array], shift: tuple[jax.Array, jax.Array]) -> Ray:
     """Rays through a point of the plane that stands at the first vertex, normal to the line from the object to it."""
     if front.system.object_distance is None:
-        direction = field_direction(front.system, field)
+        direction = field_direction(front, field)
         return _ray(_in_plane(direction, shift), direction)
     start = object_point(front, field)
     point = _in_plane(normalize((-start[0], -start[1], -start[2])), shift)
@@ -128,7 +149,7 @@ def _shifted(front: Front, field: tuple[jax.Array, jax.Array], shift: tuple[jax.
 def _shift_of(front: Front, field: tuple[jax.Array, jax.Array], ray: Ray) -> tuple[jax.Array, jax.Array]:
     """The shift that gives `_shifted` this ray of the field."""
     if front.system.object_distance is None:
-        axis = field_direction(front.system, field)
+        axis = field_direction(front, field)
     else:
         x, y, z = object_point(front, field)
         axis = normalize((-x, -y, -z))
@@ -140,15 +161,13 @@ def _shift_of(front: Front, field: tuple[jax.Array, jax.Array], ray: Ray) -> tup
 
 
 def _aimed_radius(front: Front) -> tuple[jax.Array, jax.Array]:
-    """The radius of the stop that pupil coordinate 1 means, mm: given, or the height there of the real ray
-    of the axial point that enters at the top of the pupil, at the primary wavelength; and whether it arrives."""
+    """Height at the stop, mm, of the real ray of the axial point that enters at the top of the pupil, at the primary
+    wavelength; and whether it arrives."""
     system = front.system
-    if system.aperture_kind == "stop_semi_diameter":
-        return paraxial.stop_radius(system), jnp.ones((), bool)
     rim = jnp.array([0, 1], system.curvature.dtype)
     stop = trace(system, _through(front, (0 * rim, 0 * rim), (0 * rim, rim)), last=system.stop)
     # from the chief ray: a stop that is decentred is filled about its own centre
-    return stop.y[1] - stop.y[0], stop.has_course.all()
+    return stop.y[1] - stop.y[0], stop.has_course.all().astype(stop.y.dtype)
 
 
 def _ray(point: Vector, direction: Vector) -> Ray:

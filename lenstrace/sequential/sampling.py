@@ -28,8 +28,9 @@ def pupil_points(pattern: str = "hexapolar", rings: int = 6) -> tuple[np.ndarray
         raise RayError(f"rings must be at least 1 and at most {MOST_RINGS}, a whole number, got {rings!r}")
     match pattern:
         case "hexapolar":
-            turns = [(k / rings, j / (6 * k)) for k in range(1, rings + 1) for j in range(6 * k)]
-            radius, turn = np.array([(0.0, 0.0), *turns]).T
+            ring = np.repeat(np.arange(1, rings + 1), 6 * np.arange(1, rings + 1))
+            place = np.arange(len(ring)) - 3 * ring * (ring - 1)
+            radius, turn = np.append(0.0, ring / rings), np.append(0.0, place / (6 * ring))
         case "grid":
             steps = np.arange(-rings, rings + 1)
             i, j = (a.ravel() for a in np.meshgrid(steps, steps, indexing="ij"))

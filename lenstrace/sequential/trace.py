@@ -25,14 +25,10 @@ from jax import lax
 from lenstrace.optics.apertures import ApertureKind, passes
 from lenstrace.optics.frames import Pose
 from lenstrace.optics.interactions import bend
-from lenstrace.optics.rays import Ray, RayStatus, advance, failure_code
+from lenstrace.optics.rays import Ray, RayStatus, failure_code
 from lenstrace.optics.shapes.asphere import Asphere
 from lenstrace.optics.shapes.conic import Conic
 from lenstrace.sequential.system import Kind, Placement, System
-
-# A ray flatter than this against the vertex plane is not brought to that plane before a crossing but to its
-# point nearest the vertex: the plane may be far away, or nowhere.
-FLAT = 0.25
 
 
 class Record(NamedTuple):
@@ -80,7 +76,7 @@ def trace(system: System, ray: Ray, *, last: int | None = None, path: bool = Fal
         after, here = crossings[0](state, record) if len(kinds) == 1 else lax.switch(branch, crossings, state, record)
         return after, here if keep else None
 
-    end, met = lax.scan(step, start, (records, jnp.asarray(branch)))
+    end, met = lax.scan(jax.checkpoint(step, prevent_cse=False), start, (records, jnp.asarray(branch)))
     met = jax.tree.map(lambda a: a[None], end) if met is None else met
     met = met if ray.opl is None else _whole_opl(records, met, forward)
     if not path:
@@ -104,11 +100,7 @@ def cross(ray: Ray, record: Record, kind: Kind, forward: jax.Array) -> tuple[Ray
     if not centred:
         ray = _moved(ray, pose.local_point, pose.local_direction)
 
-    steep = jnp.abs(ray.n) > FLAT
-    nearest = ray.x * ray.l + ray.y * ray.m + ray.z * ray.n
-    approach = -jnp.where(steep, ray.z, nearest) / jnp.where(steep, ray.n, 1)
-    near = advance(ray, approach)
-    point = (near.x, near.y, jnp.where(steep, 0.0, near.z))
+    point = (ray.x, ray.y, ray.z)
     direction = (ray.l, ray.m, ray.n)
     shape = (
         Asphere(record.curvature, record.conic, record.coefficients, kind.powers)
@@ -136,7 +128,7 @@ def cross(ray: Ray, record: Record, kind: Kind, forward: jax.Array) -> tuple[Ray
             _moved(bent, pose.global_point, pose.global_direction) if kind.placement is Placement.POSED else bent
         ), bent
 
-    distance = approach + crossing.distance
+    distance = crossing.distance
     if centred:
         slant = (ray.l * ray.l + ray.m * ray.m) / (1 + before * ray.n)
         step = after * record.index_after - before * record.index_before

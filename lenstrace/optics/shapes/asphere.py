@@ -8,7 +8,7 @@ from jax import lax
 
 from lenstrace.optics.rays import RayStatus
 from lenstrace.optics.shapes.conic import Conic
-from lenstrace.optics.shapes.crossing import Crossing
+from lenstrace.optics.shapes.crossing import Crossing, approach
 from lenstrace.optics.vectors import Vector, safe_divide, safe_sqrt
 from lenstrace.pytree import pytree, static
 
@@ -54,11 +54,12 @@ class Asphere:
     def crossing(self, point: Vector, direction: Vector, side: jax.Array) -> Crossing:
         """The crossing with the sheet through the vertex; arguments as for `Conic.crossing`.
 
-        Newton's method on z + t n - sag(x + t l, y + t m), from the conic's crossing or from the point given,
-        whichever is nearer the surface, until no ray of the block gains by another step. The derivative is that of
-        the implicit function, to every order, and does not pass through the iteration.
+        Newton's method on z + t n - sag(x + t l, y + t m), from the conic's crossing or from the place near the
+        vertex plane, whichever is nearer the surface, until no ray of the block gains by another step. The
+        derivative is that of the implicit function, to every order, and does not pass through the iteration.
         """
-        (x, y, z), (l, m, n) = point, direction
+        before, near = approach(point, direction)
+        (x, y, z), (l, m, n) = near, direction
 
         def residual(t: jax.Array) -> jax.Array:
             return z + t * n - self.slopes(x + t * l, y + t * m)[0]
@@ -68,7 +69,7 @@ class Asphere:
             sag, slope, _ = self.slopes(px, py)
             return safe_divide(z + t * n - sag, n - slope * (px * l + py * m))
 
-        start = Conic(self.curvature, self.conic).crossing(point, direction, side)
+        start = Conic(self.curvature, self.conic).crossing(near, direction, side)
         use_conic = (start.status == 0) & (jnp.abs(residual(start.distance)) < jnp.abs(residual(jnp.zeros_like(x))))
         first = jnp.where(use_conic, start.distance, 0.0)
 
@@ -97,7 +98,7 @@ class Asphere:
         # beyond the rim there is no surface; a crossing in the wrong sense leaves open whether there is a right one
         found = jnp.where(converged & (cosine > 0), 0, int(RayStatus.NOT_CONVERGED))
         status = jnp.where(inside, found, int(RayStatus.MISSED))
-        return Crossing(t, (x, y, z), normal, normal_squared, jnp.abs(cosine), status)
+        return Crossing(before + t, (x, y, z), normal, normal_squared, jnp.abs(cosine), status)
 
     def _departure(self, r2: jax.Array) -> jax.Array:
         """sum a_p r^p."""
