@@ -33,7 +33,7 @@ def test_plane_first_crosses_where_one_refraction_sends_it(designs: dict[str, Le
 
 
 def test_spherical_aberration_of_the_two_ways_round(designs: dict[str, Lens]) -> None:
-    # Jenkins & White, Fundamentals of optics, Eq. (9.16): a thin lens, shape factor q, the object at infinity
+    # Jenkins & White, Fundamentals of optics, chapter 9: a thin lens, shape factor q, the object at infinity
     n = lenstrace.glass("N-BK7").index(0.633)
     expected = [(n + 2) / (n - 1) - q * 4 * (n + 1) + (3 * n + 2) * (n - 1) + n**3 / (n - 1) for q in (1, -1)]
     aberration = []
