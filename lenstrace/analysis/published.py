@@ -10,6 +10,7 @@ import jax.numpy as jnp
 from lenstrace.analysis.cardinal import first_order, overview
 from lenstrace.analysis.spots import spots
 from lenstrace.errors import ImageError, LostRaysError
+from lenstrace.sequential import paraxial
 from lenstrace.sequential.lens import Lens
 
 
@@ -51,5 +52,7 @@ def _computed(lens: Lens, name: str) -> float:
         case "magnification":
             magnification = overview(lens).magnification
             return math.nan if magnification is None else float(magnification)
+        case "angular_magnification":
+            return float(paraxial.angular_magnification(lens.system.at(lens.system.primary)))
         case _:
             return float(getattr(first_order(lens), name)[lens.wavelengths.primary])

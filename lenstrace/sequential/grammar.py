@@ -127,6 +127,7 @@ class PublishedKeys(_Section):
     front_focal_length: Number | None = None
     f_number: Number | None = None
     magnification: Number | None = None
+    angular_magnification: Number | None = None
     largest_spot: Number | None = None
     tolerance: Number = 1e-9
 

@@ -240,6 +240,14 @@ def magnification(system: System) -> jax.Array:
     return 1 / image_slope(system)
 
 
+def angular_magnification(system: System) -> jax.Array:
+    """u'/u of an afocal system, from the geometric slopes of a ray before and behind it: N d / N'; nan for a system
+    with power, where it depends on the height of the ray. The system at one wavelength."""
+    m = whole_matrix(system)
+    index = signed_index(system)
+    return jnp.where(is_afocal(m), index[0] * m.d / index[-1], jnp.nan)
+
+
 def image_slope(system: System) -> jax.Array:
     """w' behind the last surface of the axial ray that leaves a finite object with w = 1, or of the ray that
     enters parallel to the axis at y = 1; 0 where the image is at infinity."""

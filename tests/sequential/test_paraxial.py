@@ -177,6 +177,22 @@ def test_finite_object_magnification_and_na() -> None:
     assert_allclose(found.entrance_pupil.diameter, 400 * 0.1 / math.sqrt(0.99), rtol=1e-13)
 
 
+def test_angular_magnification_of_afocal_systems() -> None:
+    def found(rows: list[dict[str, float]], **more: object) -> float:
+        rows = [{**rows[0], "stop": True}, *rows[1:]]
+        lens = lenstrace.lens(rows, {"entrance_pupil_diameter": 1.0}, [0.0], [0.55], **more)  # type: ignore[arg-type]
+        return float(paraxial.angular_magnification(lens.system.at(0)))
+
+    # Galilean, f = 100 and -25 in air; a plane out of glass: Snell's law; two mirrors; a lens with power: nan
+    glass = {"thickness": 0.0, "index": 1.5}
+    lenses = [{"radius": 50.0, **glass}, {"thickness": 75.0}, {"radius": -12.5, **glass}, {"thickness": 10.0}]
+    assert_allclose(found(lenses), 4, rtol=1e-14)
+    assert_allclose(found([{"thickness": 10.0}], object_index=1.5), 1.5, rtol=1e-15)
+    mirrors = [{"radius": -200.0, "thickness": -80.0}, {"radius": -40.0, "thickness": 100.0}]
+    assert_allclose(found([{**row, "mirror": True} for row in mirrors]), 5, rtol=1e-14)
+    assert math.isnan(found(lenses[:2]))
+
+
 @pytest.mark.parametrize("name", ["cooke_triplet", "double_gauss", "tessar", "hubble", "negative_index_slab"])
 def test_matrix_is_the_derivative_of_the_exact_trace(name: str, designs: dict[str, Lens]) -> None:
     system = designs[name].system.at(0)
