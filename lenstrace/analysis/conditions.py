@@ -24,9 +24,9 @@ REMEMBERED = 64
 class Conditions(NamedTuple):
     """Whether the lens has no power, its entrance pupil lies at infinity, its image does."""
 
-    powerless: jax.Array
-    far: jax.Array
-    image_far: jax.Array
+    powerless: jax.Array | bool
+    far: jax.Array | bool
+    image_far: jax.Array | bool
 
 
 def with_pupil(lens: Lens) -> tuple[System, Front]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -11,13 +11,15 @@ from jax import lax
 
 from lenstrace.analysis.conditions import with_image
 from lenstrace.blocks import moving, total
+from lenstrace.pytree import pytree
 from lenstrace.sequential.launch import Front, launch
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.sampling import pupil_points
 from lenstrace.sequential.trace import trace
 
 
-class Imaged(NamedTuple):
+@pytree
+class Imaged:
     """The front of a lens, its fields (F, 2), its index (W, S + 1) and the weights of its wavelengths (W,)."""
 
     front: Front

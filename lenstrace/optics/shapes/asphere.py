@@ -86,7 +86,7 @@ class Asphere:
             return t - change, change, count + 1
 
         def solve(_: object, guess: jax.Array) -> jax.Array:
-            return lax.while_loop(unfinished, advance, (guess, jnp.full_like(guess, jnp.inf), 0))[0]
+            return lax.while_loop(unfinished, advance, (guess, jnp.full_like(guess, jnp.inf), jnp.zeros((), int)))[0]
 
         t = lax.custom_root(residual, lax.stop_gradient(first), solve, _elementwise_solve)
         converged = jnp.abs(step(t)) <= NEWTON_TOLERANCE * eps * (scale + jnp.abs(t))
