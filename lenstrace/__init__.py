@@ -21,6 +21,7 @@ from lenstrace.analysis.mean_square import mean_square_spot
 from lenstrace.analysis.newton import NewtonCheck, newton_check
 from lenstrace.analysis.rays import ray, trace
 from lenstrace.analysis.spots import Spots, spots
+from lenstrace.analysis.vignetting import Vignetting, vignetting
 from lenstrace.compiled import COMPILER_OPTIONS
 from lenstrace.errors import (
     ImageError,
@@ -71,6 +72,7 @@ __all__ = [
     "Spots",
     "System",
     "UnknownGlassError",
+    "Vignetting",
     "WavelengthError",
     "Wavelengths",
     "dumps",
@@ -91,6 +93,7 @@ __all__ = [
     "save",
     "spots",
     "trace",
+    "vignetting",
 ]
 
 _IMPORTED_WHEN_USED = {

@@ -8,6 +8,7 @@ import numpy as np
 from jax import lax
 
 from lenstrace.analysis.conditions import with_image
+from lenstrace.analysis.vignetting import Vignetting
 from lenstrace.blocks import each
 from lenstrace.compiled import compiled
 from lenstrace.errors import LostRaysError
@@ -70,14 +71,15 @@ class Spots:
         return {split_failure(int(code)): int(count) for code, count in zip(codes, counts, strict=True) if code}
 
 
-def spots(lens: Lens, *, pattern: str = "hexapolar", rings: int = 6) -> Spots:
+def spots(lens: Lens, *, pattern: str = "hexapolar", rings: int = 6, vignetting: Vignetting | None = None) -> Spots:
     """The spots of every field and wavelength of a lens.
 
     pattern, rings: how the pupil is sampled, see `pupil_points`.
+    vignetting:     see `vignetting`; of each field the part of the pupil that it fills is sampled then.
     LostRaysError where no ray of a field arrives, ImageError where the image is at infinity.
     """
     system, front = with_image(lens, "a spot")
-    result = _spots(front, system, *pupil_points(pattern, rings))
+    result = _spots(front, system, pupil_points(pattern, rings), vignetting)
     if not is_traced(result):
         _check_arrivals(lens, result)
     return result
@@ -91,15 +93,16 @@ def loss_text(losses: dict[tuple[int, RayStatus], int]) -> str:
     )
 
 
-def _spots(front: Front, system: System, pupil_x: np.ndarray, pupil_y: np.ndarray) -> Spots:
+def _spots(front: Front, system: System, pupil: tuple[np.ndarray, np.ndarray], vignetting: Vignetting | None) -> Spots:
     """The chief ray goes first among the rays of a field."""
-    dtype = system.curvature.dtype
-    pupil = (np.insert(p, 0, 0.0).astype(dtype) for p in (pupil_x, pupil_y))
-    count = len(pupil_x) + 1
-    fields = (system.fields[:, i] for i in (0, 1))
-    xp = jnp if isinstance(system.fields, jax.Array) else np
-    points = (*(xp.repeat(f, count) for f in fields), *(np.tile(p, len(system.fields)) for p in pupil))
-    return _figures(each(_arriving, (front, system.index), points), system)
+    fields, dtype = system.fields, system.curvature.dtype
+    points = pupil if vignetting is None else vignetting.inside(*pupil)
+    xp = jnp if any(isinstance(a, jax.Array) for a in (fields, *points)) else np
+    shape = len(fields), len(pupil[0]) + 1
+    first = (0, 0), (1, 0)
+    pupil_x, pupil_y = (xp.pad(xp.broadcast_to(p, (shape[0], shape[1] - 1)), first).astype(dtype) for p in points)
+    field_x, field_y = (xp.broadcast_to(fields[:, i : i + 1], shape) for i in (0, 1))
+    return _figures(each(_arriving, (front, system.index), (field_x, field_y, pupil_x, pupil_y)), system)
 
 
 def _arriving(lens: tuple[Front, jax.Array], points: tuple[jax.Array, ...]) -> tuple[jax.Array, jax.Array, jax.Array]:
@@ -115,9 +118,8 @@ def _arriving(lens: tuple[Front, jax.Array], points: tuple[jax.Array, ...]) -> t
 
 @compiled
 def _figures(arrived: tuple[jax.Array, jax.Array, jax.Array], system: System) -> Spots:
-    """The spots out of `_arriving`: of each field the chief ray, then N others."""
-    waves, fields = system.index.shape[0], system.fields.shape[0]
-    x, y, failure = (jnp.swapaxes(a.reshape(waves, fields, -1), 0, 1) for a in arrived)
+    """The spots out of `_arriving`, (W, F, 1 + N): of each field the chief ray, then N others."""
+    x, y, failure = (jnp.swapaxes(a, 0, 1) for a in arrived)
     chief_x, chief_y = (jnp.where(has_course(failure[..., 0]), a[..., 0], jnp.nan) for a in (x, y))
     return statistics(x[..., 1:], y[..., 1:], failure[..., 1:], chief_x, chief_y, system.weights, system.primary)
 

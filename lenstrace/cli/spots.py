@@ -5,15 +5,19 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+import jax
 import numpy as np
 
 from lenstrace.analysis.spots import Spots, loss_text, spots
+from lenstrace.analysis.vignetting import Vignetting, vignetting
 from lenstrace.cli.output import add_common, number_text, print_json, print_table
 from lenstrace.io.native import load
 from lenstrace.plotting.files import save_figure
 from lenstrace.plotting.spots import spots_figure
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.sampling import PATTERNS
+
+EDGES = ("top", "bottom", "right", "left")
 
 
 def add_parser(commands: Any) -> None:
@@ -27,6 +31,10 @@ def add_parser(commands: Any) -> None:
         help="rings of the hexapolar pattern, or the density of the others (6)",
     )
     parser.add_argument("--pattern", choices=PATTERNS, default="hexapolar", help="how the pupil is sampled (hexapolar)")
+    parser.add_argument("--clip", action="store_true", help="semi-diameters stop rays, as apertures do")
+    parser.add_argument(
+        "--vignetting", action="store_true", help="find the part of the pupil that each field fills, and sample that"
+    )
     parser.add_argument("--plot", metavar="FILE", help="write the spot diagram (png, pdf or svg)")
     parser.set_defaults(run=run)
 
@@ -34,12 +42,17 @@ def add_parser(commands: Any) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Print the spots of a design."""
     lens = load(arguments.design)
-    result = spots(lens, pattern=arguments.pattern, rings=arguments.rings)
+    if arguments.clip:
+        lens = lens.replace(clip_at_semi_diameters=True)
+    filled = vignetting(lens) if arguments.vignetting else None
+    result = jax.device_get(spots(lens, pattern=arguments.pattern, rings=arguments.rings, vignetting=filled))
     if arguments.plot:
         save_figure(spots_figure(result, lens), arguments.plot)
     if arguments.json:
-        print_json(spots_keys(lens, result))
+        print_json(spots_keys(lens, result) | vignetting_keys(lens, filled))
         return
+    if filled is not None:
+        print_table("Pupil that arrives, in units of its radius", *_vignetting_rows(lens, filled))
     title = f"{lens.name or arguments.design}: {arguments.pattern} pattern, {result.rays} rays for each spot"
     print_table(title, *_rows(lens, result))
     print_table("All wavelengths pooled by weight", *polychromatic_rows(lens, result))
@@ -79,6 +92,18 @@ def spots_keys(lens: Lens, result: Spots) -> dict[str, Any]:
         for f in range(len(lens.fields.y))
     ]
     return {"spots": single, "polychromatic": together}
+
+
+def vignetting_keys(lens: Lens, filled: Vignetting | None) -> dict[str, Any]:
+    """What --json adds for --vignetting."""
+    if filled is None:
+        return {}
+    return {
+        "vignetting": [
+            {"field": [lens.fields.x[f], lens.fields.y[f]], **{edge: getattr(filled, edge)[f] for edge in EDGES}}
+            for f in range(len(lens.fields.y))
+        ]
+    }
 
 
 def polychromatic_rows(lens: Lens, result: Spots) -> tuple[list[str], list[list[str]]]:
@@ -137,6 +162,14 @@ def _rows(lens: Lens, result: Spots) -> tuple[list[str], list[list[str]]]:
         for w, um in enumerate(lens.wavelengths.um)
     ]
     return columns, rows
+
+
+def _vignetting_rows(lens: Lens, filled: Vignetting) -> tuple[list[str], list[list[str]]]:
+    rows = [
+        [field_text(lens, f), *(number_text(getattr(filled, edge)[f]) for edge in EDGES)]
+        for f in range(len(lens.fields.y))
+    ]
+    return [f"field, {lens.fields.unit}", *EDGES], rows
 
 
 def _losses(lens: Lens, result: Spots) -> list[tuple[str, str]]:

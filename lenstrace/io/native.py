@@ -78,6 +78,8 @@ def dumps(lens: Lens) -> str:
         {f"object_{key}": value for key, value in _medium_keys(lens.object_glass, lens.object_medium).items()}
     )
     section["ray_aiming"] = lens.ray_aiming
+    if lens.clip_at_semi_diameters:
+        section["clip_at_semi_diameters"] = True
     surfaces = tomlkit.array().multiline(True)
     for row in lens.rows:
         surfaces.append(_inline(_row_keys(row)))

@@ -11,6 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from lenstrace.errors import LensTraceError, MediumError, PrescriptionError
+from lenstrace.optics.apertures import ApertureKind
 from lenstrace.optics.interactions import Interaction
 from lenstrace.optics.media import Constant, Medium
 from lenstrace.pytree import is_traced
@@ -36,6 +37,7 @@ def build_system(lens: Document) -> System:
             )
     # one list of powers for all aspheres, so that they are one kind whatever terms they have
     powers = tuple(sorted({power for row in rows for power in row.powers}))
+    openings = [*map(lens.opening, lens.rows), (lens.image.aperture_kind, lens.image.aperture)]
     return System(
         curvature=_stack(row.curvature for row in rows),
         conic=_stack(row.conic for row in rows),
@@ -44,14 +46,16 @@ def build_system(lens: Document) -> System:
         index=index,
         decenter=_table([row.decenter or (0.0, 0.0) for row in rows]),
         tilt=_table([row.tilt or (0.0, 0.0, 0.0) for row in rows]) * DEGREE,
-        aperture=_table([row.aperture for row in rows], 2),
+        aperture=_table([sizes for _, sizes in openings], 2),
         object_distance=None if lens.object_distance is None else _number(lens.object_distance),
         stop_size=_number(lens.aperture.value),
         fields=_table(list(zip(lens.fields.x, lens.fields.y, strict=True))) * lens.fields.scale,
         weights=_stack(lens.wavelengths.weights),
         kinds=tuple(
-            _kind(row, before, behind, powers)
-            for row, (before, behind) in zip(rows, itertools.pairwise((*media, media[-1])), strict=True)
+            _kind(row, opening, before, behind, powers)
+            for row, (opening, _), (before, behind) in zip(
+                rows, openings, itertools.pairwise((*media, media[-1])), strict=True
+            )
         ),
         stop=lens.stop,
         primary=lens.wavelengths.primary,
@@ -90,7 +94,13 @@ def _indices(media: list[tuple[str, Medium]], wavelengths: Sequence[float]) -> A
     return _table([[known[id(medium)][w] for _, medium in media] for w in range(len(wavelengths))])
 
 
-def _kind(row: Row, before: tuple[str, Medium], behind: tuple[str, Medium], powers: tuple[int, ...]) -> Kind:
+def _kind(
+    row: Row,
+    opening: ApertureKind,
+    before: tuple[str, Medium],
+    behind: tuple[str, Medium],
+    powers: tuple[int, ...],
+) -> Kind:
     """The structure of a surface between two media."""
     interaction = Interaction.REFRACT
     if row.mirror:
@@ -102,7 +112,7 @@ def _kind(row: Row, before: tuple[str, Medium], behind: tuple[str, Medium], powe
         placement = Placement.BREAK
     elif row.is_posed:
         placement = Placement.POSED
-    return Kind(powers if row.powers else (), interaction, row.aperture_kind, placement, row.turned)
+    return Kind(powers if row.powers else (), interaction, opening, placement, row.turned)
 
 
 def _sign(medium: Medium) -> int:

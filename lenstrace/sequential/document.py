@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from lenstrace.optics.apertures import ApertureKind
 from lenstrace.pytree import pytree, static
 from lenstrace.sequential.rows import Number, Row
 
@@ -63,6 +64,7 @@ class Document:
     rows:             surfaces 1 ... S in order; `lens[3]` is row 3.
     image:            the image surface: its curvature and conic count.
     object_distance:  mm from the object to the first vertex, positive; None at infinity.
+    clip_at_semi_diameters:  a surface without an aperture stops rays beyond its semi_diameter, if it has one.
     precision:        the numbers' type in every trace, "float64" or "float32": see `astype`.
     published:        names and values (mm) of what the source says of the lens as it was written, and the
                       relative tolerance of these figures; see `analysis/published.py`.
@@ -77,6 +79,7 @@ class Document:
     object_distance: Number | None = None
     object_glass: str | None = static(default=None)
     ray_aiming: bool = static(default=False)
+    clip_at_semi_diameters: bool = static(default=False)
     name: str = static(default="")
     source: str = static(default="")
     published: tuple[tuple[str, float], ...] = static(default=())
@@ -86,3 +89,9 @@ class Document:
     def stop(self) -> int:
         """Number of the stop surface."""
         return next(i for i, row in enumerate(self.rows, 1) if row.stop)
+
+    def opening(self, row: Row) -> tuple[ApertureKind, tuple[Number, ...]]:
+        """What stops rays at one of the rows: the kind of its aperture, and its numbers, mm."""
+        if self.clip_at_semi_diameters and row.aperture_kind is ApertureKind.NONE and row.semi_diameter is not None:
+            return ApertureKind.CIRCLE, (row.semi_diameter,)
+        return row.aperture_kind, row.aperture

@@ -115,6 +115,7 @@ class LensKeys(_Section):
     object_glass: Text | None = None
     object_index: IndexKeys | None = None
     ray_aiming: Flag = False
+    clip_at_semi_diameters: Flag = False
     surfaces: list[RowKeys]
 
 

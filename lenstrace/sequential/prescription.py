@@ -40,6 +40,7 @@ def lens(
     object_glass: str | None = None,
     object_index: float | Mapping[str, Any] | None = None,
     ray_aiming: bool = False,
+    clip_at_semi_diameters: bool = False,
     image: Mapping[str, Any] | None = None,
     name: str = "",
     source: str = "",
@@ -63,6 +64,7 @@ def lens(
     section: dict[str, Any] = {
         "object_distance": object_distance,
         "ray_aiming": ray_aiming,
+        "clip_at_semi_diameters": clip_at_semi_diameters,
         "surfaces": list(rows),
     }
     if object_glass is not None:
@@ -105,6 +107,7 @@ def lens_from_keys(keys: Mapping[str, Any]) -> Lens:
         object_distance=None if written.lens.object_distance == math.inf else written.lens.object_distance * unit,
         object_glass=written.lens.object_glass,
         ray_aiming=written.lens.ray_aiming,
+        clip_at_semi_diameters=written.lens.clip_at_semi_diameters,
         name=written.name,
         source=written.source,
         published=_published(written.published, unit),

@@ -79,7 +79,7 @@ def _course(lens: Lens, point: Vector, direction: Vector, wavelength_place: int 
             return
         point = point + distance * direction
         opl += n[number - 1] * distance
-        if not _open(row, point):
+        if number <= len(lens.rows) and not _open(*lens.opening(row), point):
             status = status or RayStatus.CLIPPED
         if number <= len(lens.rows):
             behind = _bent(direction, _normal(row, point), row.mirror, n[number - 1], n[number])
@@ -138,10 +138,10 @@ def _bent(direction: Vector, normal: Vector, mirror: bool, before: Number, behin
     return mp.sin(angle) / sine * tangent + mp.cos(angle) * normal
 
 
-def _open(row: Row, point: Vector) -> bool:
+def _open(kind: ApertureKind, sizes: Sequence[Any], point: Vector) -> bool:
     """True where the aperture lets light through, its rim included."""
-    r, sizes = mp.hypot(point[0], point[1]), row.aperture
-    match row.aperture_kind:
+    r = mp.hypot(point[0], point[1])
+    match kind:
         case ApertureKind.CIRCLE:
             return r <= sizes[0]
         case ApertureKind.OBSCURATION:
