@@ -60,7 +60,8 @@ class Vignetting:
         return (self.top - self.bottom) / 2
 
     def inside(self, pupil_x: Any, pupil_y: Any) -> tuple[Any, Any]:
-        """Points of the unit disk (N,) brought into the ellipse of each field, (F, N)."""
+        """Points of the unit disk (N,) brought into the ellipse of each field, (F, N). What arrives is not quite an
+        ellipse: near the rim some rays may still be lost."""
         return (
             self.centre_x[:, None] + self.half_x[:, None] * pupil_x,
             self.centre_y[:, None] + self.half_y[:, None] * pupil_y,

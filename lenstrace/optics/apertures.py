@@ -7,6 +7,9 @@ import enum
 import jax
 import jax.numpy as jnp
 
+# Relative width of a rim, in eps: rays aimed at the edge of a stop as wide as its aperture arrive there rounded.
+RIM = 64.0
+
 
 class ApertureKind(enum.Enum):
     """The forms of an aperture, the value is the key in a file; each takes up to two numbers in mm."""
@@ -21,18 +24,19 @@ class ApertureKind(enum.Enum):
 def passes(kind: ApertureKind, numbers: jax.Array, x: jax.Array, y: jax.Array) -> jax.Array:
     """True where a point goes through. numbers: (2,), mm; x, y: mm, one shape.
 
-    The rim itself belongs to the opening.
+    The rim itself belongs to the opening, also where the place of a ray on it is rounded.
     """
+    more, less = 1 + RIM * jnp.finfo(x.dtype).eps, 1 - RIM * jnp.finfo(x.dtype).eps
     first, second = numbers[0], numbers[1]
+    r2 = x * x + y * y
     match kind:
         case ApertureKind.CIRCLE:
-            return x * x + y * y <= first * first
+            return r2 <= first * first * more
         case ApertureKind.ANNULUS:
-            r2 = x * x + y * y
-            return (r2 >= first * first) & (r2 <= second * second)
+            return (r2 >= first * first * less) & (r2 <= second * second * more)
         case ApertureKind.RECTANGLE:
-            return (jnp.abs(x) <= first) & (jnp.abs(y) <= second)
+            return (jnp.abs(x) <= first * more) & (jnp.abs(y) <= second * more)
         case ApertureKind.OBSCURATION:
-            return x * x + y * y >= first * first
+            return r2 >= first * first * less
         case ApertureKind.NONE:
             return jnp.ones(x.shape, bool)
