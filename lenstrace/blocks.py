@@ -15,6 +15,7 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import jax
+import jax.custom_batching
 import jax.numpy as jnp
 import numpy as np
 from jax import lax
@@ -42,7 +43,7 @@ def each(function: RayFunction, parameters: Any, rays: Any) -> Any:
     rays:        a pytree of arrays of one shape, not empty; `function` sees them as (N,), N at most all.
     Returns a pytree of arrays whose last axes are the shape of the rays. The derivatives are those of `function`.
     """
-    run = _each(function)
+    run = _each(function, is_traced((parameters, rays)))
     if not _is_shared(parameters, rays):
         return run(parameters, rays)
     shape = np.shape(jax.tree.leaves(rays)[0])
@@ -70,16 +71,16 @@ def total(function: Callable[..., Any], parameters: Any, cases: Any, rays: Any) 
     Returns sums (C,). Differentiable by the parameters, for each of the sums at the cost of one derivative in reverse;
     neither by the cases nor by the rays (TypeError).
     """
-    return _total(function)(parameters, cases, rays)
+    return _total(function, is_traced((parameters, cases, rays)))(parameters, cases, rays)
 
 
 @functools.cache
-def _each(function: RayFunction) -> RayFunction:
+def _each(function: RayFunction, traced: bool) -> RayFunction:
     traced_once = jax.jit(function)
 
     @jax.custom_jvp
     def mapped(parameters: Any, rays: Any) -> Any:
-        return _in_one_loop(_map_blocks, traced_once, parameters, rays)
+        return _in_one_loop(_map_blocks, traced_once, parameters, rays, traced)
 
     @mapped.defjvp
     def _(primals: Any, tangents: Any) -> Any:
@@ -106,7 +107,7 @@ def moving(primal: Any, tangent: Any) -> tuple[tuple[Any, ...], tuple[Any, ...],
 
 
 @functools.cache
-def _total(function: Callable[..., Any]) -> Callable[..., Any]:
+def _total(function: Callable[..., Any], traced: bool) -> Callable[..., Any]:
     @jax.jit
     def sums(parameters: Any, case: Any, rays: Any, counted: jax.Array) -> Any:
         return jax.tree.map(lambda a: jnp.sum(jnp.where(counted, a, 0), -1), function(parameters, case, rays))
@@ -129,7 +130,17 @@ def _total(function: Callable[..., Any]) -> Callable[..., Any]:
     @functools.cache
     def over_all(which: tuple[int, ...] | None) -> Callable[..., Any]:
         of_block = sums if which is None else functools.partial(sums_and_slopes, which)
-        return compiled(functools.partial(_in_one_loop, _add_blocks, of_block))
+
+        @jax.custom_jvp
+        def added(parameters: Any, rays: Any) -> Any:
+            return _in_one_loop(_add_blocks, of_block, parameters, rays, traced)
+
+        @added.defjvp
+        def _(primals: Any, tangents: Any) -> Any:
+            """Of second and higher derivatives: all rays as one block."""
+            return jax.jvp(functools.partial(_add_one_block, of_block), primals, tangents)
+
+        return compiled(added)
 
     @jax.custom_jvp
     def result(parameters: Any, cases: Any, rays: Any) -> Any:
@@ -159,20 +170,56 @@ def _units(value: Any) -> list[Any]:
     ]
 
 
-def _in_one_loop(loop: Callable[..., Any], function: Callable[..., Any], parameters: Any, rays: Any) -> Any:
-    """A loop over blocks, compiled as a small call; one block of all on other devices than a CPU."""
+def _in_one_loop(
+    loop: Callable[..., Any], function: Callable[..., Any], parameters: Any, rays: Any, traced: bool
+) -> Any:
+    """A loop over blocks, compiled as a small call; one block of all on other devices than a CPU.
+
+    traced:  the rays come out of a program that JAX traces, and not each from an array of its own.
+    """
     count = _count(rays)
     if not _on_cpu():
         return loop(function, count, parameters, rays)
     size = min(count, BLOCK_BYTES // max(leaf.dtype.itemsize for leaf in jax.tree.leaves(rays)))
 
-    def unmarked(parameters: Any, rays: Any) -> Any:
+    numbers, unpacked = _packed(parameters)
+    columns, unstacked = _packed(rays, stack=True) if traced else (rays, lambda rays: rays)
+
+    def unmarked(numbers: Any, columns: Any) -> Any:
         # what is jitted further inside is inlined
         with set_xla_metadata(xla_cpu_small_call=None, inlineable=None):
-            return loop(function, size, parameters, rays)
+            return loop(function, size, unpacked(numbers), unstacked(columns))
 
-    with set_xla_metadata(xla_cpu_small_call="true", inlineable="false"):
-        return jax.jit(unmarked)(parameters, rays)
+    @jax.custom_batching.sequential_vmap
+    def marked(numbers: Any, columns: Any) -> Any:
+        with set_xla_metadata(xla_cpu_small_call="true", inlineable="false"):
+            return jax.jit(unmarked)(numbers, columns)
+
+    # a batch, of lenses say, goes through one after the other: side by side they would not stay in the cache
+    return marked(numbers, columns)
+
+
+def _packed(tree: Any, *, stack: bool = False) -> tuple[dict[str, jax.Array], Callable[[Any], Any]]:
+    """One array for each type of number in a pytree, and what makes the pytree of them.
+
+    XLA (jaxlib 0.10) aborts where a small call is given the same array twice, as it is where two arguments turn out to
+    be the same numbers. stack: the leaves are of one shape (N,), and stay rows.
+    """
+    leaves, structure = jax.tree.flatten(tree)
+    leaves = [jnp.asarray(leaf) for leaf in leaves]
+    kinds = {str(leaf.dtype): [i for i, other in enumerate(leaves) if other.dtype == leaf.dtype] for leaf in leaves}
+    join = jnp.stack if stack else lambda arrays: jnp.concatenate([a.reshape(-1) for a in arrays])
+    packed = {kind: join([leaves[i] for i in places]) for kind, places in kinds.items()}
+
+    def unpacked(packed: dict[str, jax.Array]) -> Any:
+        made = dict[int, jax.Array]()
+        for kind, places in kinds.items():
+            sizes = np.cumsum([0] + [1 if stack else leaves[i].size for i in places])
+            for place, start, end in zip(places, sizes[:-1], sizes[1:], strict=True):
+                made[place] = packed[kind][start] if stack else packed[kind][start:end].reshape(leaves[place].shape)
+        return structure.unflatten([made[i] for i in range(len(leaves))])
+
+    return packed, unpacked
 
 
 def _map_blocks(function: RayFunction, size: int, parameters: Any, rays: Any) -> Any:
@@ -208,6 +255,12 @@ def _add_blocks(sums: Callable[..., Any], size: int, parameters: Any, rays: Any)
         return lax.fori_loop(old // size, -(-count // size), step, nothing)
 
     return lax.map(of_case, cases)
+
+
+def _add_one_block(sums: Callable[..., Any], parameters: Any, rays: Any) -> Any:
+    """The same sums, without a loop over blocks."""
+    parameters, cases, old = parameters
+    return lax.map(lambda case: sums(parameters, case, rays, jnp.arange(_count(rays)) >= old), cases)
 
 
 def _added(run: Callable[..., Any], parameters: Any, cases: Any, rays: Any) -> Any:

@@ -128,9 +128,12 @@ def _number(value: Any) -> Any:
 def _stack(values: Iterable[Any]) -> Any:
     """One array out of numbers; jnp only where JAX holds one of them."""
     values = list(values)
-    if any(isinstance(value, jax.Array) for value in values):
-        return jnp.stack([jnp.asarray(value, float) for value in values])
-    return np.array(values, float)
+    return _stacked(values) if any(isinstance(value, jax.Array) for value in values) else np.array(values, float)
+
+
+@jax.jit
+def _stacked(values: list[Any]) -> jax.Array:
+    return jnp.stack([jnp.asarray(value, float) for value in values])
 
 
 def _table(rows: Sequence[Sequence[Any]], width: int = 0) -> Any:

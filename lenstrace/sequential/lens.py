@@ -86,7 +86,7 @@ class Lens(Document):
                     raise PrescriptionError(
                         f"{name}: {len(values)} values for {len(rows)} surfaces; give one for each row"
                     )
-                rows = [row.replace(**{name: values[i]}) for i, row in enumerate(rows)]
+                rows = [row.replace(**{name: value}) for row, value in zip(rows, list(values), strict=True)]
         known = {field.name for field in dataclasses.fields(self)}
         for name in changes:
             if name not in known:
