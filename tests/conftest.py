@@ -1,5 +1,6 @@
-"""What every test runs under: strict dtype promotion, so that nothing is upcast by accident."""
+"""What every test runs under: strict dtype promotion, so that nothing is upcast by accident; no cache."""
 
+import os
 from pathlib import Path
 
 import jax
@@ -9,6 +10,7 @@ import lenstrace
 from lenstrace import Lens
 
 jax.config.update("jax_numpy_dtype_promotion", "strict")
+os.environ["JAX_ENABLE_COMPILATION_CACHE"] = "false"  # commands then keep no programs in the user's folder
 
 ROOT = Path(__file__).parent.parent
 

@@ -10,8 +10,9 @@ from numpy.testing import assert_allclose
 from lenstrace.__main__ import main
 
 ROOT = Path(__file__).parent.parent.parent
-GAUSS, TRIPLET, SLAB = (
-    str(ROOT / "designs" / f"{name}.toml") for name in ("double_gauss", "cooke_triplet", "negative_index_slab")
+GAUSS, TRIPLET, SLAB, TESSAR = (
+    str(ROOT / "designs" / f"{name}.toml")
+    for name in ("double_gauss", "cooke_triplet", "negative_index_slab", "tessar")
 )
 
 
@@ -67,6 +68,14 @@ def test_spots_keys_and_figures(capsys: pytest.CaptureFixture[str]) -> None:
     # Veselago's slab images perfectly: at most 1e-14 of its thickness
     assert max(spot["largest"] for spot in found["spots"]) < 2e-14
     assert_allclose(found["spots"][1]["centroid"], [0, 0.5], atol=2e-14)
+
+
+def test_vignetting_of_clipped_spots(capsys: pytest.CaptureFixture[str]) -> None:
+    found = run(capsys, "spots", TESSAR, "--clip", "--vignetting", "--rings", "2")
+    assert [sorted(field) for field in found["vignetting"]] == [["bottom", "field", "left", "right", "top"]] * 3
+    assert_allclose(found["vignetting"][0]["top"], 1, rtol=1e-12)
+    assert main(["spots", TESSAR, "--clip", "--vignetting", "--rings", "2"]) == 0
+    assert "Pupil that arrives" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(("pattern", "count"), [("grid", 49), ("random", 61), ("sobol", 61), ("hexapolar", 61)])

@@ -210,3 +210,21 @@ def test_matrix_is_the_derivative_of_the_exact_trace(name: str, designs: dict[st
     before, after = index[0], index[last]
     expected = [[found.a, found.b * before], [found.c / after, found.d * before / after]]
     assert_allclose(derivative, expected, rtol=1e-11, atol=1e-12)
+
+
+def test_object_under_water() -> None:
+    # one surface: n' / s' = n / s + (n' - n) / R, s and s' along +z, and m = n s' / (n' s)
+    lens = lenstrace.lens(
+        [{"radius": 10.0, "thickness": 55.0, "index": 1.6, "stop": True}],
+        {"object_na": 0.1},
+        {"kind": "object_height", "y": [0.0]},
+        [0.5876],
+        object_distance=200.0,
+        object_glass="WATER",
+    )
+    water = 1.33304  # Hale and Querry, Appl. Opt. 12, 555 (1973), interpolated: to 1e-4
+    image = 1.6 / (water / -200 + (1.6 - water) / 10)
+    assert_allclose(lenstrace.overview(lens).magnification, water * image / (1.6 * -200), rtol=1e-4)
+    # n sin(theta) of the marginal ray under water is the numerical aperture
+    marginal = lenstrace.trace(lens, pupil=(0.0, 1.0))
+    assert_allclose(lens.system.index[0, 0] * marginal.m[0], 0.1, rtol=1e-12)
