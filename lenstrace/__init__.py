@@ -22,7 +22,7 @@ from lenstrace.analysis.newton import NewtonCheck, newton_check
 from lenstrace.analysis.rays import ray, trace
 from lenstrace.analysis.spots import Spots, spots
 from lenstrace.analysis.vignetting import Vignetting, vignetting
-from lenstrace.compiled import COMPILER_OPTIONS
+from lenstrace.compute.compiled import COMPILER_OPTIONS
 from lenstrace.errors import (
     ImageError,
     LensTraceError,

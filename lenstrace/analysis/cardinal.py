@@ -5,8 +5,8 @@ from __future__ import annotations
 import jax
 import jax.numpy as jnp
 
-from lenstrace.compiled import compiled
-from lenstrace.pytree import pytree
+from lenstrace.compute.compiled import compiled
+from lenstrace.compute.pytree import pytree
 from lenstrace.sequential import paraxial
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.paraxial import FirstOrder, Pupil

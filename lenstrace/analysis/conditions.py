@@ -9,9 +9,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from lenstrace.compiled import compiled
+from lenstrace.compute.compiled import compiled
+from lenstrace.compute.pytree import is_traced
 from lenstrace.errors import ImageError, PrescriptionError
-from lenstrace.pytree import is_traced
 from lenstrace.sequential import paraxial
 from lenstrace.sequential.launch import Front, front_of
 from lenstrace.sequential.lens import Lens

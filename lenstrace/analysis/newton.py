@@ -10,10 +10,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from lenstrace.compiled import compiled
+from lenstrace.compute.compiled import compiled
+from lenstrace.compute.pytree import is_traced, pytree
 from lenstrace.errors import ImageError
 from lenstrace.optics.rays import living
-from lenstrace.pytree import is_traced, pytree
 from lenstrace.sequential import paraxial
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.system import System

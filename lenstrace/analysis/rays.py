@@ -12,10 +12,10 @@ import numpy as np
 from jax.typing import ArrayLike
 
 from lenstrace.analysis.conditions import with_pupil
-from lenstrace.blocks import each
+from lenstrace.compute.blocks import each
+from lenstrace.compute.pytree import is_traced, pytree, static
 from lenstrace.errors import RayError
 from lenstrace.optics.rays import Ray, living
-from lenstrace.pytree import is_traced, pytree, static
 from lenstrace.sequential.build import index_at
 from lenstrace.sequential.launch import Front, launch
 from lenstrace.sequential.lens import Lens

@@ -9,12 +9,12 @@ from jax import lax
 
 from lenstrace.analysis.conditions import with_image
 from lenstrace.analysis.vignetting import Vignetting
-from lenstrace.blocks import each
-from lenstrace.compiled import compiled
+from lenstrace.compute.blocks import each
+from lenstrace.compute.compiled import compiled
+from lenstrace.compute.pytree import is_traced, pytree
 from lenstrace.errors import LostRaysError
 from lenstrace.optics.rays import RayStatus, has_course, split_failure
 from lenstrace.optics.vectors import safe_sqrt
-from lenstrace.pytree import is_traced, pytree
 from lenstrace.sequential.launch import Front, launch
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.sampling import pupil_points

@@ -10,9 +10,9 @@ import numpy as np
 from jax import lax
 
 from lenstrace.analysis.conditions import with_pupil
-from lenstrace.blocks import each
+from lenstrace.compute.blocks import each
+from lenstrace.compute.pytree import is_traced, pytree
 from lenstrace.errors import LostRaysError
-from lenstrace.pytree import is_traced, pytree
 from lenstrace.sequential.launch import Front, launch
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.trace import trace

@@ -13,6 +13,10 @@ def keep_compiled_programs() -> None:
     if "JAX_COMPILATION_CACHE_DIR" in os.environ or os.environ.get("JAX_ENABLE_COMPILATION_CACHE") == "false":
         return
     folder = os.path.join(platformdirs.user_cache_dir("lenstrace"), "compiled")
+    try:
+        os.makedirs(folder, exist_ok=True)
+    except OSError:  # a home that cannot be written does without
+        return
     jax.config.update("jax_compilation_cache_dir", folder)
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
     jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import jax
 import jax.numpy as jnp
 
+from lenstrace.compute.pytree import pytree
 from lenstrace.optics.vectors import Vector, rotate, rotate_back, rotation
-from lenstrace.pytree import pytree
 
 
 @pytree

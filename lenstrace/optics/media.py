@@ -13,10 +13,10 @@ import jax
 import numpy as np
 from numpy.typing import ArrayLike
 
+from lenstrace.compute.pytree import pytree
 from lenstrace.errors import MediumError, WavelengthError
 from lenstrace.optics.dispersion import FORMULAS, Coefficients, air_index
 from lenstrace.optics.interpolation import interpolate
-from lenstrace.pytree import pytree
 
 LINE_D, LINE_F, LINE_C, LINE_G = 0.5875618, 0.4861327, 0.6562725, 0.4358343
 """Wavelengths of the helium d, hydrogen F and C, and mercury g lines, um (ISO 7944)."""

@@ -7,7 +7,7 @@ import enum
 import jax
 import jax.numpy as jnp
 
-from lenstrace.pytree import pytree
+from lenstrace.compute.pytree import pytree
 
 
 class RayStatus(enum.IntEnum):

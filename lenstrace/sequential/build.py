@@ -10,11 +10,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from lenstrace.compute.pytree import is_traced
 from lenstrace.errors import LensTraceError, MediumError, PrescriptionError
 from lenstrace.optics.apertures import ApertureKind
 from lenstrace.optics.interactions import Interaction
 from lenstrace.optics.media import Constant, Medium
-from lenstrace.pytree import is_traced
 from lenstrace.sequential.document import DEGREE, Document
 from lenstrace.sequential.rows import Row
 from lenstrace.sequential.system import Kind, Placement, System

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from lenstrace.compute.pytree import pytree, static
 from lenstrace.optics.apertures import ApertureKind
-from lenstrace.pytree import pytree, static
 from lenstrace.sequential.rows import Number, Row
 
 DEGREE = math.pi / 180

@@ -9,8 +9,8 @@ from typing import Any
 import jax
 import numpy as np
 
+from lenstrace.compute.pytree import is_traced, pytree
 from lenstrace.errors import LensTraceError, PrescriptionError
-from lenstrace.pytree import is_traced, pytree
 from lenstrace.sequential.build import build_system
 from lenstrace.sequential.document import Aperture, Document, Fields, Wavelengths
 from lenstrace.sequential.rows import Row

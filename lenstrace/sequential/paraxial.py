@@ -17,8 +17,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from lenstrace.compute.pytree import pytree
 from lenstrace.optics.vectors import safe_divide
-from lenstrace.pytree import pytree
 from lenstrace.sequential.system import System
 
 # Power below this many units in the last place of the sum of its parts is none: the lens is afocal.

@@ -9,11 +9,11 @@ from typing import Any
 import jax
 import numpy as np
 
+from lenstrace.compute.pytree import is_traced
 from lenstrace.errors import PrescriptionError
 from lenstrace.optics.apertures import ApertureKind
 from lenstrace.optics.glasses import glass
 from lenstrace.optics.media import AIR, AbbeModel, Constant, Medium, Table
-from lenstrace.pytree import is_traced
 
 KEYS = ("radius", "asphere", "index", "abbe", "break")
 APERTURES = {kind.value: kind for kind in ApertureKind if kind is not ApertureKind.NONE}

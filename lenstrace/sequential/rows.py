@@ -8,10 +8,10 @@ from typing import Any
 
 import jax
 
+from lenstrace.compute.pytree import is_traced, pytree, static
 from lenstrace.errors import PrescriptionError
 from lenstrace.optics.apertures import ApertureKind
 from lenstrace.optics.media import AIR, Medium
-from lenstrace.pytree import is_traced, pytree, static
 from lenstrace.sequential.row_keys import KEYS, row_fields
 
 Number = float | jax.Array

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from lenstrace.compute.pytree import is_traced
 from lenstrace.errors import PrescriptionError
 from lenstrace.optics.apertures import ApertureKind
-from lenstrace.pytree import is_traced
 from lenstrace.sequential.document import Document
 from lenstrace.sequential.rows import Row
 

@@ -9,9 +9,9 @@ from typing import Any
 import jax
 import numpy as np
 
+from lenstrace.compute.pytree import pytree, static
 from lenstrace.optics.apertures import ApertureKind
 from lenstrace.optics.interactions import Interaction
-from lenstrace.pytree import pytree, static
 
 
 class Placement(enum.Enum):

@@ -1,9 +1,12 @@
 """One contract for every shape: sag, normal and crossing agree with each other and with closed forms."""
 
+import math
+
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from mpmath import mp
 from numpy.testing import assert_allclose
 from scipy.optimize import brentq
 
@@ -103,6 +106,57 @@ def test_derivatives_of_the_crossing(shape: Conic | Asphere) -> None:
     second = jax.grad(jax.grad(distance, argnums=1), argnums=1)(shape, y)
     rates = [jax.grad(distance, argnums=1)(shape, y + s) for s in (1e-5, -1e-5)]
     assert_allclose(second, (rates[0] - rates[1]) / 2e-5, rtol=1e-5, atol=1e-9)
+
+
+def met(numbers: jax.Array, side: jax.Array) -> jax.Array:
+    """What `met_in_many_digits` says, in JAX."""
+    c, k, x, y, z, l, m, n = numbers
+    found = Conic(c, k).crossing((x, y, z), (l, m, n), side)
+    return jnp.stack([found.distance, *found.point, found.cosine])
+
+
+SLOPES, BENDS = jax.jit(jax.jacfwd(met)), jax.jit(jax.jacfwd(jax.jacrev(met)))
+
+
+def met_in_many_digits(numbers: list[mp.mpf], start: mp.mpf, side: int) -> list[mp.mpf]:
+    """t, x, y, z and |N . d| where the line r + t d meets F = 0 near t = start; numbers: c, k, r and d."""
+    c, k, *line = numbers
+
+    def place(t: mp.mpf) -> list[mp.mpf]:
+        return [p + t * d for p, d in zip(line[:3], line[3:], strict=True)]
+
+    def equation(t: mp.mpf) -> mp.mpf:
+        x, y, z = place(t)
+        return c * (x * x + y * y + (1 + k) * z * z) - 2 * z
+
+    t = mp.findroot(equation, start)
+    x, y, z = place(t)
+    normal = -c * x, -c * y, 1 - (1 + k) * c * z
+    return [t, x, y, z, side * mp.fdot(normal, line[3:])]
+
+
+@pytest.mark.parametrize("c", [0.0, 1e-9, 0.02, -0.11])
+@pytest.mark.parametrize("k", [-1.0, 0.0, 0.5, 3.0])
+@pytest.mark.parametrize("side", [1, -1])
+def test_derivatives_of_a_conic_by_curvature_conic_point_and_direction(c: float, k: float, side: int) -> None:
+    """A ray from a point off the vertex plane, by numbers of 40 digits; the second derivatives are finite."""
+    turned = side * np.array([0.28, -0.21, math.sqrt(1 - 0.28**2 - 0.21**2)])
+    numbers = np.array([c, k, 2.1, -1.4, -3.0, *turned])
+
+    value = np.asarray(met(numbers, float(side)))
+    slopes = SLOPES(numbers, float(side))
+    with mp.workdps(40):
+        exact, step = [mp.mpf(float(number)) for number in numbers], mp.mpf(10) ** -12
+        start = mp.mpf(float(value[0]))
+        assert_allclose(value, [float(v) for v in met_in_many_digits(exact, start, side)], rtol=1e-13, atol=1e-14)
+        for i in range(8):
+            ends = []
+            for sign in (1, -1):
+                moved = [number + sign * step * (i == j) for j, number in enumerate(exact)]
+                ends.append(met_in_many_digits(moved, start, side))
+            expected = [float((a - b) / (2 * step)) for a, b in zip(*ends, strict=True)]
+            assert_allclose(slopes[:, i], expected, rtol=1e-12, atol=1e-12, err_msg=f"number {i}")
+    assert np.isfinite(BENDS(numbers, float(side))).all()
 
 
 def test_derivatives_are_finite_on_the_vertex_and_beyond_the_rim(shape: Conic | Asphere) -> None:

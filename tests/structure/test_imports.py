@@ -6,10 +6,10 @@ from pathlib import Path
 import lenstrace
 
 PACKAGE = Path(lenstrace.__file__).parent
-# Lowest first. `pytree` declares data, as `errors` declares exceptions: both know nothing else.
+# Lowest first. `compute` knows no optics, `errors` nothing at all.
 ROOMS = [
     "errors",
-    "pytree",
+    "compute",
     "accuracy",
     "optics",
     "sequential",

@@ -6,11 +6,11 @@ import jax
 import jax.numpy as jnp
 from jax import lax
 
+from lenstrace.compute.pytree import pytree, static
 from lenstrace.optics.rays import RayStatus
 from lenstrace.optics.shapes.conic import Conic
 from lenstrace.optics.shapes.crossing import Crossing, approach
 from lenstrace.optics.vectors import Vector, safe_divide, safe_sqrt
-from lenstrace.pytree import pytree, static
 
 MOST_NEWTON_STEPS = 12
 # No step follows one below this many square roots of eps, in units of the numbers involved: each step is about the

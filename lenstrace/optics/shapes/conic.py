@@ -7,10 +7,10 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
+from lenstrace.compute.pytree import pytree
 from lenstrace.optics.rays import RayStatus
 from lenstrace.optics.shapes.crossing import Crossing, approach
 from lenstrace.optics.vectors import Vector, divide_where, dot, root_or_zero, safe_sqrt
-from lenstrace.pytree import pytree
 
 MISSED = int(RayStatus.MISSED)
 

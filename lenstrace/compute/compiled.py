@@ -10,7 +10,7 @@ from typing import Any, TypeVar, cast
 import jax
 from jax._src.core import trace_state_clean  # there is no public way to ask
 
-from lenstrace.pytree import is_traced
+from lenstrace.compute.pytree import is_traced
 
 # JAX takes them for an outermost `jit` alone; yours may have them too, by its argument `compiler_options`. The vector
 # width makes the trace up to 1.6 times faster where AVX-512 is known (elsewhere it changes nothing); without the fusion

@@ -22,8 +22,8 @@ from jax import lax
 from jax.custom_derivatives import SymbolicZero
 from jax.experimental.xla_metadata import set_xla_metadata
 
-from lenstrace.compiled import compiled
-from lenstrace.pytree import is_traced
+from lenstrace.compute.compiled import compiled
+from lenstrace.compute.pytree import is_traced
 
 # Bytes that one number of every ray of a block takes; a dozen such arrays are alive at a time in a trace.
 BLOCK_BYTES = 512
@@ -67,7 +67,7 @@ def total(function: Callable[..., Any], parameters: Any, cases: Any, rays: Any) 
     function:    one of a module; returns a pytree of arrays of the shape of the rays it is given, (N,) or ().
     parameters:  any pytree of floating-point numbers.
     cases:       a pytree of arrays with a leading axis (C,).
-    rays:        a pytree of arrays (N,).
+    rays:        a pytree of arrays (N,), N at least 1.
     Returns sums (C,). Differentiable by the parameters, for each of the sums at the cost of one derivative in reverse;
     neither by the cases nor by the rays (TypeError).
     """

@@ -1,0 +1,1 @@
+"""How data is declared, compiled and looped over; it knows no optics."""
