@@ -83,5 +83,6 @@ def _kept(lens: Lens) -> tuple[Front, Conditions]:
 @compiled
 def _computed(system: System) -> tuple[Front, Conditions]:
     front = front_of(system)
-    powerless = paraxial.first_order(system).power == 0
-    return front, Conditions(powerless, ~jnp.isfinite(front.entrance.position), paraxial.image_slope(system) == 0)
+    whole = paraxial.whole_matrix(system)
+    far = ~jnp.isfinite(front.entrance.position)
+    return front, Conditions(paraxial.is_afocal(whole), far, paraxial.image_slope(system, whole) == 0)

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 
 from lenstrace.compute.pytree import is_traced, pytree
@@ -86,7 +87,8 @@ class Lens(Document):
                     raise PrescriptionError(
                         f"{name}: {len(values)} values for {len(rows)} surfaces; give one for each row"
                     )
-                rows = [row.replace(**{name: value}) for row, value in zip(rows, list(values), strict=True)]
+                each = jnp.unstack(values) if isinstance(values, jax.Array) else values
+                rows = [row.replace(**{name: value}) for row, value in zip(rows, each, strict=True)]
         known = {field.name for field in dataclasses.fields(self)}
         for name in changes:
             if name not in known:

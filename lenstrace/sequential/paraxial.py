@@ -186,7 +186,7 @@ def entrance_pupil(system: System) -> Pupil:
     index = signed_index(system)[0]
     return Pupil(
         position=jnp.where(far, jnp.inf, index * m.b / a),
-        diameter=jnp.where(far, jnp.inf, jnp.abs(2 * stop_radius(system) / a)),
+        diameter=jnp.where(far, jnp.inf, jnp.abs(2 * stop_radius(system, m) / a)),
         magnification=jnp.where(far, jnp.inf, 1 / a),
     )
 
@@ -204,15 +204,16 @@ def exit_pupil(system: System) -> Pupil:
     )
 
 
-def stop_radius(system: System) -> jax.Array:
+def stop_radius(system: System, m: Matrix | None = None) -> jax.Array:
     """Paraxial radius of the stop, mm, signed: the height there of a ray that enters at the top of the pupil.
 
     entrance_pupil_diameter: half of it times a of the matrix to the stop.
     stop_semi_diameter: itself, with the sign of that a.
     image_f_number: the entrance pupil has the diameter |f'| / number.
     object_na: n sin(theta) of the marginal ray from the axial object point.
+    m: the matrix from in front of the first surface to the stop, if known.
     """
-    m = matrix(system, 1, system.stop, bend_last=False)
+    m = matrix(system, 1, system.stop, bend_last=False) if m is None else m
     size = jnp.asarray(system.stop_size)
     match system.aperture_kind:
         case "stop_semi_diameter":
@@ -248,10 +249,10 @@ def angular_magnification(system: System) -> jax.Array:
     return jnp.where(is_afocal(m), index[0] * m.d / index[-1], jnp.nan)
 
 
-def image_slope(system: System) -> jax.Array:
+def image_slope(system: System, m: Matrix | None = None) -> jax.Array:
     """w' behind the last surface of the axial ray that leaves a finite object with w = 1, or of the ray that
-    enters parallel to the axis at y = 1; 0 where the image is at infinity."""
-    m = whole_matrix(system)
+    enters parallel to the axis at y = 1; 0 where the image is at infinity. m: `whole_matrix`, if known."""
+    m = whole_matrix(system) if m is None else m
     if system.object_distance is None:
         return jnp.where(is_afocal(m), 0.0, m.c)
     y = system.object_distance / signed_index(system)[0]
