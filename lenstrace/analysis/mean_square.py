@@ -32,7 +32,7 @@ def mean_square_spot(lens: Lens, *, pattern: str = "hexapolar", rings: int = 6) 
     """The mean square distance of the rays of each field from their centroid, (F,), mm^2.
 
     All wavelengths are pooled by weight: the square of `spots(lens).polychromatic.rms_centroid`, but no ray is kept, so
-    that a million take no memory, and the gradient takes the time of about five traces. nan where no ray arrives.
+    that many take no memory, and the gradient takes the time of about five traces. nan where no ray arrives.
     pattern, rings: how the pupil is sampled, see `pupil_points`. ImageError where the image is at infinity.
     """
     system, front = with_image(lens, "a spot")
@@ -61,13 +61,16 @@ def _centres(lens: Imaged, pupil: Any) -> tuple[jax.Array, jax.Array]:
     sums = total(_places, lens, _pairs(lens), pupil)
     rays, x, y = (a.reshape(len(lens.fields), -1) for a in sums)
     weight = rays @ lens.weights
-    return jnp.stack([x @ lens.weights / weight, y @ lens.weights / weight], -1), rays
+    each = jnp.where(weight > 0, weight, 1)
+    return jnp.stack([x @ lens.weights / each, y @ lens.weights / each], -1), rays
 
 
 def _about(lens: Imaged, pupil: Any, centres: jax.Array, rays: jax.Array) -> jax.Array:
     fields, waves = _pairs(lens)
     squares = total(_squares, lens, (fields, waves, centres[fields]), pupil).reshape(rays.shape)
-    return squares @ lens.weights / (rays @ lens.weights)
+    weight = rays @ lens.weights
+    # nan for a field without rays, but in its own figure alone and not in the derivatives of the others
+    return squares @ lens.weights / jnp.where(weight > 0, weight, 1) + jnp.where(weight > 0, 0, jnp.nan)
 
 
 def _pairs(lens: Imaged) -> tuple[np.ndarray, np.ndarray]:
@@ -79,14 +82,14 @@ def _pairs(lens: Imaged) -> tuple[np.ndarray, np.ndarray]:
 def _places(lens: Imaged, case: tuple[jax.Array, jax.Array], pupil: Any) -> tuple[jax.Array, jax.Array, jax.Array]:
     """Of each ray: 1 where it arrives, else 0, and its x and y."""
     x, y, arrives = _arriving(lens, *case, pupil)
-    return arrives, arrives * x, arrives * y
+    return arrives, jnp.where(arrives > 0, x, 0), jnp.where(arrives > 0, y, 0)
 
 
 def _squares(lens: Imaged, case: tuple[jax.Array, jax.Array, jax.Array], pupil: Any) -> jax.Array:
     """The squared distance of each ray from the centre."""
     field, wave, centre = case
     x, y, arrives = _arriving(lens, field, wave, pupil)
-    return arrives * ((x - centre[0]) ** 2 + (y - centre[1]) ** 2)
+    return jnp.where(arrives > 0, (x - centre[0]) ** 2 + (y - centre[1]) ** 2, 0)
 
 
 def _arriving(lens: Imaged, field: jax.Array, wave: jax.Array, pupil: Any) -> tuple[jax.Array, jax.Array, jax.Array]:

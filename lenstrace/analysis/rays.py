@@ -63,9 +63,9 @@ def trace(
             _check(rays)
         return answer
     system, front = with_pupil(lens)
-    x, y = map(_floats, field if isinstance(field, tuple) else (0.0, field))
+    x, y = map(_floats, _pair(field if isinstance(field, tuple) else (0.0, field), "field"))
     check_field(lens, x, y)
-    points = (x * lens.fields.scale, y * lens.fields.scale, *map(_floats, pupil))
+    points = (x * lens.fields.scale, y * lens.fields.scale, *map(_floats, _pair(pupil, "pupil")))
     asked = _Asked(system.with_index(_index(lens, system, wavelength)), path, opl)
     return each(_launched, (front, asked), _numbers(points, system.curvature.dtype))
 
@@ -127,9 +127,23 @@ def _numbers(values: Iterable[Any], dtype: Any) -> tuple[Any, ...]:
     values = tuple(values)
     if not all(map(np.size, values)):
         raise RayError("no rays given: field, pupil or the rays are empty arrays")
+    try:
+        np.broadcast_shapes(*map(np.shape, values))
+    except ValueError:
+        shapes = ", ".join(str(np.shape(value)) for value in values)
+        raise RayError(f"field and pupil, or the numbers of the rays, do not broadcast: shapes {shapes}") from None
     if any(isinstance(value, jax.Array) for value in values):
         return tuple(jnp.broadcast_arrays(*(jnp.asarray(value, dtype) for value in values)))
     return np.broadcast_arrays(*(np.asarray(value, dtype) for value in values))
+
+
+def _pair(value: Any, what: str) -> tuple[Any, Any]:
+    """x and y; else RayError."""
+    try:
+        x, y = value
+    except (TypeError, ValueError):
+        raise RayError(f"{what} must be a pair (x, y), got {value!r}") from None
+    return x, y
 
 
 def _floats(value: ArrayLike) -> jax.Array | np.ndarray:

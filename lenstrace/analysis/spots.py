@@ -12,7 +12,7 @@ from lenstrace.analysis.vignetting import Vignetting
 from lenstrace.compute.blocks import each
 from lenstrace.compute.compiled import compiled
 from lenstrace.compute.pytree import is_traced, pytree
-from lenstrace.errors import LostRaysError
+from lenstrace.errors import LostRaysError, RayError
 from lenstrace.optics.rays import RayStatus, has_course, split_failure
 from lenstrace.optics.vectors import safe_sqrt
 from lenstrace.sequential.launch import Front, launch
@@ -75,9 +75,11 @@ def spots(lens: Lens, *, pattern: str = "hexapolar", rings: int = 6, vignetting:
     """The spots of every field and wavelength of a lens.
 
     pattern, rings: how the pupil is sampled, see `pupil_points`.
-    vignetting:     see `vignetting`; of each field the part of the pupil that it fills is sampled then.
+    vignetting:     see `vignetting`, of this lens; of each field the part of the pupil that it fills is sampled then.
     LostRaysError where no ray of a field arrives, ImageError where the image is at infinity.
     """
+    if vignetting is not None and np.shape(vignetting.top) != (len(lens.fields.y),):
+        raise RayError(f"vignetting is of {np.size(vignetting.top)} fields, the lens has {len(lens.fields.y)}")
     system, front = with_image(lens, "a spot")
     result = _spots(front, system, pupil_points(pattern, rings), vignetting)
     if not is_traced(result):
@@ -102,7 +104,8 @@ def _spots(front: Front, system: System, pupil: tuple[np.ndarray, np.ndarray], v
     first = (0, 0), (1, 0)
     pupil_x, pupil_y = (xp.pad(xp.broadcast_to(p, (shape[0], shape[1] - 1)), first).astype(dtype) for p in points)
     field_x, field_y = (xp.broadcast_to(fields[:, i : i + 1], shape) for i in (0, 1))
-    return _figures(each(_arriving, (front, system.index), (field_x, field_y, pupil_x, pupil_y)), system)
+    arrived = each(_arriving, (front, system.index), (field_x, field_y, pupil_x, pupil_y))
+    return _figures(arrived, system.weights, system.primary)
 
 
 def _arriving(lens: tuple[Front, jax.Array], points: tuple[jax.Array, ...]) -> tuple[jax.Array, jax.Array, jax.Array]:
@@ -117,11 +120,11 @@ def _arriving(lens: tuple[Front, jax.Array], points: tuple[jax.Array, ...]) -> t
 
 
 @compiled
-def _figures(arrived: tuple[jax.Array, jax.Array, jax.Array], system: System) -> Spots:
+def _figures(arrived: tuple[jax.Array, jax.Array, jax.Array], weights: jax.Array, primary: jax.Array | int) -> Spots:
     """The spots out of `_arriving`, (W, F, 1 + N): of each field the chief ray, then N others."""
     x, y, failure = (jnp.swapaxes(a, 0, 1) for a in arrived)
     chief_x, chief_y = (jnp.where(has_course(failure[..., 0]), a[..., 0], jnp.nan) for a in (x, y))
-    return statistics(x[..., 1:], y[..., 1:], failure[..., 1:], chief_x, chief_y, system.weights, system.primary)
+    return statistics(x[..., 1:], y[..., 1:], failure[..., 1:], chief_x, chief_y, weights, primary)
 
 
 def statistics(
@@ -131,36 +134,37 @@ def statistics(
     chief_x: jax.Array,
     chief_y: jax.Array,
     weights: jax.Array,
-    primary: int,
+    primary: jax.Array | int,
 ) -> Spots:
     """The figures of spots out of their rays: x, y, failure (F, W, N), chief rays (F, W), weights (W,)."""
     alive = failure == 0
     rays, sum_x, sum_y = (jnp.sum(jnp.where(alive, values, 0), -1) for values in (jnp.ones_like(x), x, y))
-    each = jnp.maximum(rays, 1)
-    centroid_x, centroid_y = sum_x / each, sum_y / each
+    count = jnp.maximum(rays, 1)
+    centroid_x, centroid_y = sum_x / count, sum_y / count
     squares = jnp.where(alive, _square(x - centroid_x[..., None], y - centroid_y[..., None]), 0)
-    variance = jnp.sum(squares, -1) / each
+    variance = jnp.sum(squares, -1) / count
     from_chief = variance + _square(centroid_x - chief_x, centroid_y - chief_y)
 
     # wavelengths pooled; the mean square about any point is that about the centroid plus the centroid's own
     part = jnp.asarray(weights) * rays
-    part = part / jnp.maximum(jnp.sum(part, -1, keepdims=True), jnp.finfo(x.dtype).tiny)
+    weight = jnp.sum(part, -1)
+    part = part / jnp.where(weight > 0, weight, 1)[:, None]
     pooled_x, pooled_y = jnp.sum(part * centroid_x, -1), jnp.sum(part * centroid_y, -1)
 
     def pooled(about_x: jax.Array, about_y: jax.Array) -> jax.Array:
         distance = _square(centroid_x - about_x[:, None], centroid_y - about_y[:, None])
-        return _root(jnp.sum(part * (variance + distance), -1)) * _some(jnp.sum(rays, -1))
+        return _root(jnp.sum(part * (variance + distance), -1)) + _none(weight)
 
-    some = _some(rays)
+    none = _none(rays)
     return Spots(
         lost=x.shape[-1] - rays.astype(int),
         centroid_x=centroid_x,
         centroid_y=centroid_y,
         chief_x=chief_x,
         chief_y=chief_y,
-        rms_centroid=_root(variance) * some,
-        rms_chief=_root(from_chief) * some,
-        largest=_root(jnp.max(squares, -1)) * some,
+        rms_centroid=_root(variance) + none,
+        rms_chief=_root(from_chief) + none,
+        largest=_root(jnp.max(squares, -1)) + none,
         polychromatic=Polychromatic(
             pooled_x, pooled_y, pooled(pooled_x, pooled_y), pooled(chief_x[:, primary], chief_y[:, primary])
         ),
@@ -174,9 +178,9 @@ def _square(x: jax.Array, y: jax.Array) -> jax.Array:
     return x * x + y * y
 
 
-def _some(rays: jax.Array) -> jax.Array:
-    """1, but nan without any ray: no ray, no figure. 0 would look like a perfect spot to an optimizer under jit."""
-    return jnp.where(rays > 0, 1.0, jnp.nan).astype(rays.dtype)
+def _none(rays: jax.Array) -> jax.Array:
+    """0, but nan without any ray: no ray, no figure. 0 would look like a perfect spot to an optimizer under jit."""
+    return jnp.where(rays > 0, 0.0, jnp.nan).astype(rays.dtype)
 
 
 def _root(square: jax.Array) -> jax.Array:

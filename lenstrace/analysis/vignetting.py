@@ -76,10 +76,8 @@ def vignetting(lens: Lens) -> Vignetting:
     bisection to the last digits, and are held fixed by derivatives.
     """
     system, front = with_pupil(lens)
-    asked = jax.tree.map(lax.stop_gradient, (front, system.index[system.primary])) if is_traced(lens) else (
-        front, system.index[system.primary]
-    )  # fmt: skip
-    fields = lax.stop_gradient(system.fields) if is_traced(lens) else system.fields
+    numbers = (front, system.index[system.primary]), system.fields
+    asked, fields = jax.tree.map(lax.stop_gradient, numbers) if is_traced(lens) else numbers
     x, y = fields[:, 0], fields[:, 1]
     zero, one = 0 * x, 0 * x + 1
     top, bottom = (s * each(_edge, asked, (x, y, zero, zero, zero, s * one)) for s in (1, -1))
@@ -88,6 +86,8 @@ def vignetting(lens: Lens) -> Vignetting:
     middle = (top + bottom) / 2
     width = jnp.sqrt(1 - middle * middle)
     right, left = (s * width * each(_edge, asked, (x, y, zero, middle, s * width, zero)) for s in (1, -1))
+    if not is_traced(lens):
+        _check(lens, np.asarray(right))
     return Vignetting(top, bottom, right, left)
 
 
@@ -117,8 +117,8 @@ def _edge(asked: tuple[Front, jax.Array], lines: tuple[jax.Array, ...]) -> jax.A
     return lax.fori_loop(0, BISECTIONS, halved, start)[0]
 
 
-def _check(lens: Lens, top: np.ndarray) -> None:
-    if np.isnan(top).any():
-        field = int(np.isnan(top).argmax())
+def _check(lens: Lens, edge: np.ndarray) -> None:
+    if np.isnan(edge).any():
+        field = int(np.isnan(edge).argmax())
         place = f"({float(lens.fields.x[field]):g}, {float(lens.fields.y[field]):g}) {lens.fields.unit}"
-        raise LostRaysError(f"field {place}: no ray through the middle line of the pupil arrives; check the apertures")
+        raise LostRaysError(f"field {place}: no ray through the middle lines of the pupil arrives; check the apertures")

@@ -3,7 +3,7 @@
 On a CPU, XLA compiles a function of arrays into dozens of loops, each of which writes whole arrays to memory. Told
 that the function is a "small call", it compiles one loop over blocks of rays, in which nothing leaves the cache:
 the same numbers, several times sooner. Such a loop runs on one core; a call from Python with many rays is shared
-out over threads. Where JAX traces the arguments there are no threads, and on other devices no blocks.
+out over threads. Where JAX traces the arguments, and on other devices, there are neither.
 """
 
 from __future__ import annotations
@@ -15,18 +15,19 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import jax
-import jax.custom_batching
 import jax.numpy as jnp
 import numpy as np
 from jax import lax
 from jax.custom_derivatives import SymbolicZero
 from jax.experimental.xla_metadata import set_xla_metadata
 
-from lenstrace.compute.compiled import compiled
+from lenstrace.compute.compiled import compiled, with_precision
 from lenstrace.compute.pytree import is_traced
 
 # Bytes that one number of every ray of a block takes; a dozen such arrays are alive at a time in a trace.
 BLOCK_BYTES = 512
+# Rays in a block of a plain loop, which keeps the memory of a gradient in bounds.
+WIDE_BLOCK = 1 << 13
 # Rays in the share of a thread: what it reads and writes stays in the second-level cache.
 CHUNK = 1 << 16
 ALIGNMENT = 64  # bytes: memory that begins at a multiple of it becomes a JAX array without being copied
@@ -37,8 +38,8 @@ RayFunction = Callable[[Any, Any], Any]
 def each(function: RayFunction, parameters: Any, rays: Any) -> Any:
     """function(parameters, rays), block by block.
 
-    function:    one of a module: it is compiled once for every structure of its arguments. It maps numbers, and arrays
-                 of rays, to arrays of rays, every ray by itself.
+    function:    one of a module: it is compiled once for every structure of its arguments (and, below 2 CHUNK, number
+                 of rays). It maps numbers, and arrays of rays, to arrays of rays, every ray by itself.
     parameters:  any pytree.
     rays:        a pytree of arrays of one shape, not empty; `function` sees them as (N,), N at most all.
     Returns a pytree of arrays whose last axes are the shape of the rays. The derivatives are those of `function`.
@@ -52,12 +53,13 @@ def each(function: RayFunction, parameters: Any, rays: Any) -> Any:
     shapes = jax.eval_shape(run, parameters, _cut(rays, 0, CHUNK))
     results = jax.tree.map(lambda s: _aligned((*s.shape[:-1], count), s.dtype), shapes)
 
-    def share(start: int) -> None:
+    def share(first: int) -> None:
+        # the last share begins earlier, so that it is full, and writes only what is new
+        start = min(first, count - CHUNK)
         values = run(parameters, _cut(rays, start, CHUNK))
-        jax.tree.map(lambda all, some: _put(all, start, np.asarray(some)), results, values)
+        jax.tree.map(lambda whole, part: _put(whole, first, np.asarray(part)[..., first - start :]), results, values)
 
-    # the last share begins earlier, so that it is full
-    list(_threads().map(share, [*range(0, count - CHUNK, CHUNK), count - CHUNK]))
+    list(_threads().map(with_precision(share), range(0, count, CHUNK)))
     return jax.tree.map(lambda a: jnp.from_dlpack(a.reshape(*a.shape[:-1], *shape)), results)
 
 
@@ -71,7 +73,7 @@ def total(function: Callable[..., Any], parameters: Any, cases: Any, rays: Any) 
     Returns sums (C,). Differentiable by the parameters, for each of the sums at the cost of one derivative in reverse;
     neither by the cases nor by the rays (TypeError).
     """
-    return _total(function, is_traced((parameters, cases, rays)))(parameters, cases, rays)
+    return _total(function)(parameters, cases, rays)
 
 
 @functools.cache
@@ -98,7 +100,7 @@ def moving(primal: Any, tangent: Any) -> tuple[tuple[Any, ...], tuple[Any, ...],
     """The leaves of a pytree whose symbolic tangents are not zero, these tangents, and what puts other leaves there."""
     leaves, structure = jax.tree.flatten(primal)
     tangents = jax.tree.leaves(tangent)
-    which = [i for i, each in enumerate(tangents) if not _is_zero(each)]
+    which = [i for i, tangent in enumerate(tangents) if not _is_zero(tangent)]
 
     def rebuilt(moved: Any) -> Any:
         return structure.unflatten([moved[which.index(i)] if i in which else leaf for i, leaf in enumerate(leaves)])
@@ -107,7 +109,7 @@ def moving(primal: Any, tangent: Any) -> tuple[tuple[Any, ...], tuple[Any, ...],
 
 
 @functools.cache
-def _total(function: Callable[..., Any], traced: bool) -> Callable[..., Any]:
+def _total(function: Callable[..., Any]) -> Callable[..., Any]:
     @jax.jit
     def sums(parameters: Any, case: Any, rays: Any, counted: jax.Array) -> Any:
         return jax.tree.map(lambda a: jnp.sum(jnp.where(counted, a, 0), -1), function(parameters, case, rays))
@@ -128,7 +130,7 @@ def _total(function: Callable[..., Any], traced: bool) -> Callable[..., Any]:
         return jax.tree.map(lambda a: jnp.tensordot(counted.astype(a.dtype), a, 1), jax.vmap(of_ray)(rays))
 
     @functools.cache
-    def over_all(which: tuple[int, ...] | None) -> Callable[..., Any]:
+    def over_all(which: tuple[int, ...] | None, traced: bool) -> Callable[..., Any]:
         of_block = sums if which is None else functools.partial(sums_and_slopes, which)
 
         @jax.custom_jvp
@@ -144,7 +146,8 @@ def _total(function: Callable[..., Any], traced: bool) -> Callable[..., Any]:
 
     @jax.custom_jvp
     def result(parameters: Any, cases: Any, rays: Any) -> Any:
-        return _added(over_all(None), parameters, cases, rays)
+        run = over_all(None, is_traced((parameters, cases, rays)))
+        return _added(run, parameters, cases, rays)
 
     def rule(primals: Any, tangents: Any) -> Any:
         moved, *fixed = tangents
@@ -152,7 +155,7 @@ def _total(function: Callable[..., Any], traced: bool) -> Callable[..., Any]:
             raise TypeError("a total is differentiated by its parameters: give there what the rays and cases depend on")
         tangents = jax.tree.leaves(moved)
         which = tuple(i for i, tangent in enumerate(tangents) if not _is_zero(tangent))
-        value, slopes = _added(over_all(which), *primals)
+        value, slopes = _added(over_all(which, is_traced(primals)), *primals)
         leaves, structure = jax.tree.flatten(value)
         along = [tangents[i] for i in which]
         return value, structure.unflatten(map(_along, slopes, [along] * len(leaves), leaves))
@@ -173,53 +176,20 @@ def _units(value: Any) -> list[Any]:
 def _in_one_loop(
     loop: Callable[..., Any], function: Callable[..., Any], parameters: Any, rays: Any, traced: bool
 ) -> Any:
-    """A loop over blocks, compiled as a small call; one block of all on other devices than a CPU.
-
-    traced:  the rays come out of a program that JAX traces, and not each from an array of its own.
+    """A loop over blocks, compiled as a small call; where the caller's program is traced, and on other devices, a plain
+    one over wide blocks. (XLA of jaxlib 0.10 aborts where a small call is given a constant, as a caller's program may.)
     """
-    count = _count(rays)
-    if not _on_cpu():
-        return loop(function, count, parameters, rays)
-    size = min(count, BLOCK_BYTES // max(leaf.dtype.itemsize for leaf in jax.tree.leaves(rays)))
+    if traced or not _on_cpu():
+        return loop(function, min(_count(rays), WIDE_BLOCK), parameters, rays)
+    size = min(_count(rays), BLOCK_BYTES // max(leaf.dtype.itemsize for leaf in jax.tree.leaves(rays)))
 
-    numbers, unpacked = _packed(parameters)
-    columns, unstacked = _packed(rays, stack=True) if traced else (rays, lambda rays: rays)
-
-    def unmarked(numbers: Any, columns: Any) -> Any:
+    def unmarked(parameters: Any, rays: Any) -> Any:
         # what is jitted further inside is inlined
         with set_xla_metadata(xla_cpu_small_call=None, inlineable=None):
-            return loop(function, size, unpacked(numbers), unstacked(columns))
+            return loop(function, size, parameters, rays)
 
-    @jax.custom_batching.sequential_vmap
-    def marked(numbers: Any, columns: Any) -> Any:
-        with set_xla_metadata(xla_cpu_small_call="true", inlineable="false"):
-            return jax.jit(unmarked)(numbers, columns)
-
-    # a batch, of lenses say, goes through one after the other: side by side they would not stay in the cache
-    return marked(numbers, columns)
-
-
-def _packed(tree: Any, *, stack: bool = False) -> tuple[dict[str, jax.Array], Callable[[Any], Any]]:
-    """One array for each type of number in a pytree, and what makes the pytree of them.
-
-    XLA (jaxlib 0.10) aborts where a small call is given the same array twice, as it is where two arguments turn out to
-    be the same numbers. stack: the leaves are of one shape (N,), and stay rows.
-    """
-    leaves, structure = jax.tree.flatten(tree)
-    leaves = [jnp.asarray(leaf) for leaf in leaves]
-    kinds = {str(leaf.dtype): [i for i, other in enumerate(leaves) if other.dtype == leaf.dtype] for leaf in leaves}
-    join = jnp.stack if stack else lambda arrays: jnp.concatenate([a.reshape(-1) for a in arrays])
-    packed = {kind: join([leaves[i] for i in places]) for kind, places in kinds.items()}
-
-    def unpacked(packed: dict[str, jax.Array]) -> Any:
-        made = dict[int, jax.Array]()
-        for kind, places in kinds.items():
-            sizes = np.cumsum([0] + [1 if stack else leaves[i].size for i in places])
-            for place, start, end in zip(places, sizes[:-1], sizes[1:], strict=True):
-                made[place] = packed[kind][start] if stack else packed[kind][start:end].reshape(leaves[place].shape)
-        return structure.unflatten([made[i] for i in range(len(leaves))])
-
-    return packed, unpacked
+    with set_xla_metadata(xla_cpu_small_call="true", inlineable="false"):
+        return jax.jit(unmarked)(parameters, rays)
 
 
 def _map_blocks(function: RayFunction, size: int, parameters: Any, rays: Any) -> Any:
@@ -232,7 +202,9 @@ def _map_blocks(function: RayFunction, size: int, parameters: Any, rays: Any) ->
     def step(i: jax.Array, results: Any) -> Any:
         start = jnp.minimum(i * size, count - size)
         values = function(parameters, _cut(rays, start, size))
-        return jax.tree.map(lambda all, some: lax.dynamic_update_slice_in_dim(all, some, start, -1), results, values)
+        return jax.tree.map(
+            lambda whole, part: lax.dynamic_update_slice_in_dim(whole, part, start, -1), results, values
+        )
 
     nothing = jax.tree.map(lambda s: jnp.zeros((*s.shape[:-1], count), s.dtype), shapes)
     return lax.fori_loop(0, -(-count // size), step, nothing)
@@ -273,8 +245,8 @@ def _added(run: Callable[..., Any], parameters: Any, cases: Any, rays: Any) -> A
         start = min(number * CHUNK, count - CHUNK)
         return run((parameters, cases, number * CHUNK - start), _cut(rays, start, CHUNK))
 
-    parts = list(_threads().map(share, range(-(-count // CHUNK))))
-    return jax.tree.map(lambda *each: jnp.asarray(sum(map(np.asarray, each))), *parts)
+    shares = list(_threads().map(with_precision(share), range(-(-count // CHUNK))))
+    return jax.tree.map(lambda *parts: jnp.asarray(sum(map(np.asarray, parts))), *shares)
 
 
 def _is_shared(parameters: Any, rays: Any) -> bool:
@@ -302,8 +274,8 @@ def _cut(rays: Any, start: Any, size: int) -> Any:
     return jax.tree.map(lambda a: lax.dynamic_slice_in_dim(a, start, size), rays)
 
 
-def _put(all: np.ndarray, start: int, some: np.ndarray) -> None:
-    all[..., start : start + some.shape[-1]] = some
+def _put(whole: np.ndarray, start: int, part: np.ndarray) -> None:
+    whole[..., start : start + part.shape[-1]] = part
 
 
 def _aligned(shape: tuple[int, ...], dtype: Any) -> np.ndarray:

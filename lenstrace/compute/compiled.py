@@ -37,6 +37,17 @@ def compiled(function: Function) -> Function:
         if trace_state_clean():
             return outside(*arguments)
         with ThreadPoolExecutor(1) as thread:
-            return thread.submit(outside, *arguments).result()
+            return thread.submit(with_precision(outside), *arguments).result()
 
     return cast(Function, call)
+
+
+def with_precision(function: Callable[..., Any]) -> Callable[..., Any]:
+    """For another thread: the function under the setting of 64-bit numbers here, which JAX keeps for each thread."""
+    wide = jax.config.jax_enable_x64  # pyright: ignore[reportAttributeAccessIssue]
+
+    def run(*arguments: Any) -> Any:
+        with jax.enable_x64(wide):
+            return function(*arguments)
+
+    return run

@@ -97,17 +97,3 @@ def living(x: jax.Array, y: jax.Array, z: jax.Array, l: jax.Array, m: jax.Array,
     """Rays that have met nothing yet, all numbers broadcast to one shape. Points in mm, unit directions."""
     numbers = jnp.broadcast_arrays(x, y, z, l, m, n)
     return Ray(*numbers, failure=jnp.zeros(numbers[0].shape, jnp.int32))
-
-
-def advance(ray: Ray, distance: jax.Array) -> Ray:
-    """The ray moved along itself by a signed distance in mm; status and optical path untouched."""
-    return Ray(
-        ray.x + distance * ray.l,
-        ray.y + distance * ray.m,
-        ray.z + distance * ray.n,
-        ray.l,
-        ray.m,
-        ray.n,
-        ray.failure,
-        ray.opl,
-    )

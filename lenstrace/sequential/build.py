@@ -122,13 +122,13 @@ def _sign(medium: Medium) -> int:
 
 def _number(value: Any) -> Any:
     """A scalar array."""
-    return value if isinstance(value, jax.Array) else np.asarray(value, float)
+    return value if is_traced(value) else np.asarray(value, float)
 
 
 def _stack(values: Iterable[Any]) -> Any:
     """One array out of numbers; jnp only where JAX holds one of them."""
     values = list(values)
-    return _stacked(values) if any(isinstance(value, jax.Array) for value in values) else np.array(values, float)
+    return _stacked(values) if is_traced(values) else np.array(values, float)
 
 
 @jax.jit

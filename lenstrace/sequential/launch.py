@@ -72,7 +72,8 @@ def launch(
         return _through(front, field, pupil)
     fx, fy, px, py = jnp.broadcast_arrays(*field, *pupil)
 
-    here = system.replace(index=index)
+    # what stops a ray must not decide which one is found
+    here = system.replace(index=index).without_apertures()
 
     def at_stop(shift: tuple[jax.Array, jax.Array], share: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
         stop = trace(here, _shifted(front, (share * fx, share * fy), shift), last=system.stop)
@@ -165,7 +166,7 @@ def _aimed_radius(front: Front) -> tuple[jax.Array, jax.Array]:
     wavelength; and whether it arrives."""
     system = front.system
     rim = jnp.array([0, 1], system.curvature.dtype)
-    stop = trace(system, _through(front, (0 * rim, 0 * rim), (0 * rim, rim)), last=system.stop)
+    stop = trace(system.without_apertures(), _through(front, (0 * rim, 0 * rim), (0 * rim, rim)), last=system.stop)
     # from the chief ray: a stop that is decentred is filled about its own centre
     return stop.y[1] - stop.y[0], stop.has_course.all().astype(stop.y.dtype)
 

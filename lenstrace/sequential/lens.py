@@ -64,7 +64,7 @@ class Lens(Document):
         if kept is not None:
             return kept
         system = build_system(self).astype(self.precision)
-        if not is_traced(self):
+        if not is_traced((self, system)):
             object.__setattr__(self, "_system", system)
         return system
 

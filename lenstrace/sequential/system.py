@@ -115,6 +115,10 @@ class System:
         lenses that differ in them alone are traced by one program."""
         return self.replace(index=index, weights=self.weights[:0], fields=self.fields[:0], primary=0)
 
+    def without_apertures(self) -> System:
+        """The same surfaces, nothing stopped: what rays are aimed through."""
+        return self.replace(kinds=tuple(dataclasses.replace(kind, aperture=ApertureKind.NONE) for kind in self.kinds))
+
     def replace(self, **changes: Any) -> System:
         """A copy with some fields changed."""
         return dataclasses.replace(self, **changes)

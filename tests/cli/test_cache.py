@@ -44,8 +44,6 @@ def test_a_cache_folder_of_the_environment_is_used_instead(tmp_path: Path) -> No
     found = spots(
         XDG_CACHE_HOME=ours,
         JAX_COMPILATION_CACHE_DIR=theirs,
-        JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS=0,
-        JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES=-1,
     )
     assert (found.returncode, found.stderr) == (0, "")
     assert programs(theirs)

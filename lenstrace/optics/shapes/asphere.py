@@ -19,6 +19,8 @@ LAST_STEP = 0.03
 # A crossing is found where the step that would follow is below this many eps: what cancels in a steep series is noise
 # in that step, not an error left over.
 NEWTON_TOLERANCE = 1e4
+# A crossing lies within this many times the ray's own distance from the vertex; farther away a series overflows.
+FARTHEST = 1e3
 
 
 @pytree
@@ -83,6 +85,8 @@ class Asphere:
         def advance(state: tuple[jax.Array, jax.Array, jax.Array]) -> tuple[jax.Array, jax.Array, jax.Array]:
             t, _, count = state
             change = step(t)
+            # one that runs away stays where it is: its numbers remain finite
+            change = jnp.where(jnp.abs(t - change) < FARTHEST * scale, change, 0)
             return t - change, change, count + 1
 
         def solve(_: object, guess: jax.Array) -> jax.Array:

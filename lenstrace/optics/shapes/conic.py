@@ -59,9 +59,9 @@ class Conic:
         c, one_k = self.curvature, 1 + self.conic
         t, (x, y, z), cosine = _meet(self, point, direction, side)
         normal = self.normal(x, y, z)
-        # |N|^2 on the surface, where c (x^2 + y^2 + (1 + k) z^2) = 2 z
-        normal_squared = 1 - self.conic * c * z * (2 - one_k * c * z)
         hit = (cosine > 0) & (normal[2] > 0)
+        # |N|^2 on the surface, where c (x^2 + y^2 + (1 + k) z^2) = 2 z
+        normal_squared = jnp.where(hit, 1 - self.conic * c * z * (2 - one_k * c * z), 1)
         return Crossing(t, (x, y, z), normal, normal_squared, cosine, jnp.where(hit, 0, MISSED))
 
 
