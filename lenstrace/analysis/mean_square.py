@@ -10,8 +10,8 @@ import numpy as np
 from jax import lax
 
 from lenstrace.analysis.conditions import with_image
-from lenstrace.compute.blocks import moving, total
 from lenstrace.compute.pytree import pytree
+from lenstrace.compute.totals import moving, total
 from lenstrace.sequential.launch import Front, launch
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.sampling import pupil_points

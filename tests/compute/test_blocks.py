@@ -7,8 +7,9 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from lenstrace.compute import blocks
-from lenstrace.compute.blocks import each, total
+from lenstrace.compute.blocks import each
 from lenstrace.compute.pytree import pytree
+from lenstrace.compute.totals import total
 
 Parameters = dict[str, jax.Array]
 
