@@ -9,7 +9,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 import lenstrace
-from lenstrace import Lens, blocks
+from lenstrace import Lens
+from lenstrace.compute import blocks
 
 ROWS = [
     {"radius": 30.0, "thickness": 4.0, "abbe": {"nd": 1.6, "vd": 60.0}, "conic": -0.4},
