@@ -10,6 +10,7 @@ import numpy as np
 from jax import lax
 
 from lenstrace.analysis.conditions import with_image
+from lenstrace.compute.compiled import compiled
 from lenstrace.compute.pytree import pytree
 from lenstrace.compute.totals import moving, total
 from lenstrace.sequential.launch import Front, launch
@@ -58,19 +59,28 @@ _mean_square.defjvp(_derivative, symbolic_zeros=True)
 
 def _centres(lens: Imaged, pupil: Any) -> tuple[jax.Array, jax.Array]:
     """The centroid of each field (F, 2), and how many rays of each field and wavelength arrive (F, W)."""
-    sums = total(_places, lens, _pairs(lens), pupil)
-    rays, x, y = (a.reshape(len(lens.fields), -1) for a in sums)
-    weight = rays @ lens.weights
+    return _pooled_places(total(_places, lens, _pairs(lens), pupil), lens.weights)
+
+
+@compiled
+def _pooled_places(sums: Any, weights: jax.Array) -> tuple[jax.Array, jax.Array]:
+    rays, x, y = (a.reshape(-1, len(weights)) for a in sums)
+    weight = rays @ weights
     each = jnp.where(weight > 0, weight, 1)
-    return jnp.stack([x @ lens.weights / each, y @ lens.weights / each], -1), rays
+    return jnp.stack([x @ weights / each, y @ weights / each], -1), rays
 
 
 def _about(lens: Imaged, pupil: Any, centres: jax.Array, rays: jax.Array) -> jax.Array:
     fields, waves = _pairs(lens)
-    squares = total(_squares, lens, (fields, waves, centres[fields]), pupil).reshape(rays.shape)
-    weight = rays @ lens.weights
+    squares = total(_squares, lens, (fields, waves, jnp.repeat(centres, len(lens.weights), 0)), pupil)
+    return _pooled_squares(squares, rays, lens.weights)
+
+
+@compiled
+def _pooled_squares(squares: jax.Array, rays: jax.Array, weights: jax.Array) -> jax.Array:
+    weight = rays @ weights
     # nan for a field without rays, but in its own figure alone and not in the derivatives of the others
-    return squares @ lens.weights / jnp.where(weight > 0, weight, 1) + jnp.where(weight > 0, 0, jnp.nan)
+    return squares.reshape(rays.shape) @ weights / jnp.where(weight > 0, weight, 1) + jnp.where(weight > 0, 0, jnp.nan)
 
 
 def _pairs(lens: Imaged) -> tuple[np.ndarray, np.ndarray]:

@@ -93,7 +93,7 @@ def _total(function: Callable[..., Any]) -> Callable[..., Any]:
         value, slopes = _added(over_all(which, is_traced(primals)), *primals)
         leaves, structure = jax.tree.flatten(value)
         along = [tangents[i] for i in which]
-        return value, structure.unflatten(map(_along, slopes, [along] * len(leaves), leaves))
+        return value, structure.unflatten(_along(slopes, along, leaves))
 
     result.defjvp(rule, symbolic_zeros=True)
     return result
@@ -147,10 +147,15 @@ def _added(run: Callable[..., Any], parameters: Any, cases: Any, rays: Any) -> A
     return jax.tree.map(lambda *parts: jnp.asarray(sum(map(np.asarray, parts))), *shares)
 
 
-def _along(slopes: list[Any], moved: list[Any], value: jax.Array) -> jax.Array:
-    """The derivative of one result along the tangents of the parameters, whose axes come last in its slopes."""
-    parts = (jnp.tensordot(slope, tangent, jnp.ndim(tangent)) for slope, tangent in zip(slopes, moved, strict=True))
-    return sum(parts, jnp.zeros_like(value))
+@compiled
+def _along(slopes: list[Any], moved: list[Any], values: list[jax.Array]) -> list[jax.Array]:
+    """The derivatives of results along the tangents of the parameters, whose axes come last in the slopes."""
+
+    def of_one(slopes: list[Any], value: jax.Array) -> jax.Array:
+        parts = (jnp.tensordot(slope, tangent, jnp.ndim(tangent)) for slope, tangent in zip(slopes, moved, strict=True))
+        return sum(parts, jnp.zeros_like(value))
+
+    return list(map(of_one, slopes, values))
 
 
 def _is_zero(tangent: Any) -> bool:
