@@ -174,7 +174,8 @@ def test_aiming_is_differentiable(designs: dict[str, Lens]) -> None:
 
     c = jnp.asarray(aimed[1].curvature)
     difference = (height(c + 1e-6) - height(c - 1e-6)) / 2e-6
-    assert_allclose(jax.grad(height)(c), difference, rtol=1e-7)
+    slope = jax.jit(jax.grad(height), compiler_options={"xla_backend_optimization_level": 0})(c)
+    assert_allclose(slope, difference, rtol=1e-7)
 
 
 def test_a_ray_that_cannot_be_aimed_says_so(designs: dict[str, Lens]) -> None:
