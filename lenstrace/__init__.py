@@ -2,7 +2,7 @@
 
 Importing it switches JAX to 64-bit numbers, because a lens traced in float32 is silently wrong in optical path;
 an explicit JAX_ENABLE_X64 in the environment is honoured. What needs a heavy library (reading files: pydantic;
-plots: matplotlib) is imported when it is first used.
+plots: matplotlib), and what not everybody asks for (aberrations, diffraction), is imported when it is first used.
 """
 
 from __future__ import annotations
@@ -42,12 +42,52 @@ from lenstrace.sequential.rows import Row
 from lenstrace.sequential.system import System
 
 if TYPE_CHECKING:
+    from lenstrace.analysis.aberrations import seidel
+    from lenstrace.analysis.colour import (
+        AxialColour,
+        LateralColour,
+        LongitudinalAberration,
+        axial_colour,
+        lateral_colour,
+        longitudinal_aberration,
+    )
+    from lenstrace.analysis.distortion import Distortion, DistortionGrid, distortion, distortion_grid
+    from lenstrace.analysis.encircled import encircled_energy
+    from lenstrace.analysis.fans import Fans, fans
+    from lenstrace.analysis.field_curvature import FieldCurvature, field_curvature
+    from lenstrace.analysis.focus import BestFocus, ThroughFocus, best_focus, through_focus
+    from lenstrace.analysis.illumination import Illumination, IncidenceAngles, incidence_angles, relative_illumination
     from lenstrace.analysis.layout import layout
+    from lenstrace.analysis.mtf import Mtf, geometric_mtf, mtf, mtf_through_focus
+    from lenstrace.analysis.psf import Psf, psf
+    from lenstrace.analysis.sheet import sheet
+    from lenstrace.analysis.spot_curves import spot_field, spot_spectrum
+    from lenstrace.analysis.third_order import Seidel
+    from lenstrace.analysis.wave_focus import wave_focus
+    from lenstrace.analysis.wavefront import Wavefront, wavefront, zernike_coefficients
+    from lenstrace.analysis.zernike import fit_zernike, zernike
     from lenstrace.io.native import dumps, load, loads, save
+    from lenstrace.plotting.aberrations import plot_seidel
     from lenstrace.plotting.cardinal import plot_first_order
+    from lenstrace.plotting.fans import plot_fans
+    from lenstrace.plotting.field import (
+        plot_axial_colour,
+        plot_distortion,
+        plot_distortion_grid,
+        plot_field_curvature,
+        plot_illumination,
+        plot_incidence_angles,
+        plot_lateral_colour,
+        plot_longitudinal_aberration,
+    )
+    from lenstrace.plotting.focus import plot_focus_spots, plot_through_focus
     from lenstrace.plotting.layout import plot_layout
+    from lenstrace.plotting.mtf import plot_mtf, plot_mtf_field, plot_mtf_through_focus
+    from lenstrace.plotting.psf import plot_encircled, plot_psf
     from lenstrace.plotting.rays import plot_rays
+    from lenstrace.plotting.spot_curves import plot_spot_field, plot_spot_spectrum
     from lenstrace.plotting.spots import plot_spots
+    from lenstrace.plotting.wavefront import plot_wavefront
     from lenstrace.sequential.prescription import lens
 
 __version__ = "0.1.0"
@@ -55,58 +95,178 @@ __version__ = "0.1.0"
 __all__ = [
     "COMPILER_OPTIONS",
     "Aperture",
+    "AxialColour",
+    "BestFocus",
+    "Distortion",
+    "DistortionGrid",
+    "Fans",
+    "FieldCurvature",
     "Fields",
     "FirstOrder",
+    "Illumination",
     "ImageError",
+    "IncidenceAngles",
+    "LateralColour",
     "Lens",
     "LensTraceError",
+    "LongitudinalAberration",
     "LostRaysError",
     "MediumError",
+    "Mtf",
     "NewtonCheck",
     "Overview",
     "PrescriptionError",
+    "Psf",
     "Ray",
     "RayError",
     "RayStatus",
     "Row",
+    "Seidel",
     "Spots",
     "System",
+    "ThroughFocus",
     "UnknownGlassError",
     "Vignetting",
+    "Wavefront",
     "WavelengthError",
     "Wavelengths",
+    "axial_colour",
+    "best_focus",
+    "distortion",
+    "distortion_grid",
     "dumps",
+    "encircled_energy",
+    "fans",
+    "field_curvature",
     "first_order",
+    "fit_zernike",
+    "geometric_mtf",
     "glass",
+    "incidence_angles",
+    "lateral_colour",
     "layout",
     "lens",
     "load",
     "loads",
+    "longitudinal_aberration",
     "mean_square_spot",
+    "mtf",
+    "mtf_through_focus",
     "newton_check",
     "overview",
+    "plot_axial_colour",
+    "plot_distortion",
+    "plot_distortion_grid",
+    "plot_encircled",
+    "plot_fans",
+    "plot_field_curvature",
     "plot_first_order",
+    "plot_focus_spots",
+    "plot_illumination",
+    "plot_incidence_angles",
+    "plot_lateral_colour",
     "plot_layout",
+    "plot_longitudinal_aberration",
+    "plot_mtf",
+    "plot_mtf_field",
+    "plot_mtf_through_focus",
+    "plot_psf",
     "plot_rays",
+    "plot_seidel",
+    "plot_spot_field",
+    "plot_spot_spectrum",
     "plot_spots",
+    "plot_through_focus",
+    "plot_wavefront",
+    "psf",
     "ray",
+    "relative_illumination",
     "save",
+    "seidel",
+    "sheet",
+    "spot_field",
+    "spot_spectrum",
     "spots",
+    "through_focus",
     "trace",
     "vignetting",
+    "wave_focus",
+    "wavefront",
+    "zernike",
+    "zernike_coefficients",
 ]
 
 _IMPORTED_WHEN_USED = {
+    "AxialColour": "lenstrace.analysis.colour",
+    "BestFocus": "lenstrace.analysis.focus",
+    "Distortion": "lenstrace.analysis.distortion",
+    "DistortionGrid": "lenstrace.analysis.distortion",
+    "Fans": "lenstrace.analysis.fans",
+    "FieldCurvature": "lenstrace.analysis.field_curvature",
+    "Illumination": "lenstrace.analysis.illumination",
+    "IncidenceAngles": "lenstrace.analysis.illumination",
+    "LateralColour": "lenstrace.analysis.colour",
+    "LongitudinalAberration": "lenstrace.analysis.colour",
+    "Mtf": "lenstrace.analysis.mtf",
+    "Psf": "lenstrace.analysis.psf",
+    "Seidel": "lenstrace.analysis.third_order",
+    "ThroughFocus": "lenstrace.analysis.focus",
+    "Wavefront": "lenstrace.analysis.wavefront",
+    "axial_colour": "lenstrace.analysis.colour",
+    "best_focus": "lenstrace.analysis.focus",
+    "distortion": "lenstrace.analysis.distortion",
+    "distortion_grid": "lenstrace.analysis.distortion",
     "dumps": "lenstrace.io.native",
+    "encircled_energy": "lenstrace.analysis.encircled",
+    "fans": "lenstrace.analysis.fans",
+    "field_curvature": "lenstrace.analysis.field_curvature",
+    "fit_zernike": "lenstrace.analysis.zernike",
+    "geometric_mtf": "lenstrace.analysis.mtf",
+    "incidence_angles": "lenstrace.analysis.illumination",
+    "lateral_colour": "lenstrace.analysis.colour",
     "layout": "lenstrace.analysis.layout",
     "lens": "lenstrace.sequential.prescription",
     "load": "lenstrace.io.native",
     "loads": "lenstrace.io.native",
+    "longitudinal_aberration": "lenstrace.analysis.colour",
+    "mtf": "lenstrace.analysis.mtf",
+    "mtf_through_focus": "lenstrace.analysis.mtf",
+    "plot_axial_colour": "lenstrace.plotting.field",
+    "plot_distortion": "lenstrace.plotting.field",
+    "plot_distortion_grid": "lenstrace.plotting.field",
+    "plot_encircled": "lenstrace.plotting.psf",
+    "plot_fans": "lenstrace.plotting.fans",
+    "plot_field_curvature": "lenstrace.plotting.field",
     "plot_first_order": "lenstrace.plotting.cardinal",
+    "plot_focus_spots": "lenstrace.plotting.focus",
+    "plot_illumination": "lenstrace.plotting.field",
+    "plot_incidence_angles": "lenstrace.plotting.field",
+    "plot_lateral_colour": "lenstrace.plotting.field",
     "plot_layout": "lenstrace.plotting.layout",
+    "plot_longitudinal_aberration": "lenstrace.plotting.field",
+    "plot_mtf": "lenstrace.plotting.mtf",
+    "plot_mtf_field": "lenstrace.plotting.mtf",
+    "plot_mtf_through_focus": "lenstrace.plotting.mtf",
+    "plot_psf": "lenstrace.plotting.psf",
     "plot_rays": "lenstrace.plotting.rays",
+    "plot_seidel": "lenstrace.plotting.aberrations",
+    "plot_spot_field": "lenstrace.plotting.spot_curves",
+    "plot_spot_spectrum": "lenstrace.plotting.spot_curves",
     "plot_spots": "lenstrace.plotting.spots",
+    "plot_through_focus": "lenstrace.plotting.focus",
+    "plot_wavefront": "lenstrace.plotting.wavefront",
+    "psf": "lenstrace.analysis.psf",
+    "relative_illumination": "lenstrace.analysis.illumination",
     "save": "lenstrace.io.native",
+    "seidel": "lenstrace.analysis.aberrations",
+    "sheet": "lenstrace.analysis.sheet",
+    "spot_field": "lenstrace.analysis.spot_curves",
+    "spot_spectrum": "lenstrace.analysis.spot_curves",
+    "through_focus": "lenstrace.analysis.focus",
+    "wave_focus": "lenstrace.analysis.wave_focus",
+    "wavefront": "lenstrace.analysis.wavefront",
+    "zernike": "lenstrace.analysis.zernike",
+    "zernike_coefficients": "lenstrace.analysis.wavefront",
 }
 
 

@@ -3,28 +3,32 @@
 from __future__ import annotations
 
 import argparse
+import importlib
 import sys
 from collections.abc import Sequence
 from typing import NoReturn
 
 from lenstrace import __version__
-from lenstrace.cli import draw, report, spots, trace
 from lenstrace.cli.cache import keep_compiled_programs
 from lenstrace.errors import LensTraceError
 
+COMMANDS = ("report", "spots", "trace", "draw", "seidel", "fans", "field", "wavefront", "psf", "mtf", "focus", "sheet")
 USAGE_ERROR = 2
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command; 0, or 2 after one line on standard error that says what is wrong."""
     parser = _OneLineParser(
-        prog="lenstrace", description="Trace lenses: first-order figures, spots, single rays, drawings."
+        prog="lenstrace",
+        description="Trace lenses: first-order figures, rays, spots, aberrations, wavefronts, diffraction, drawings.",
     )
     parser.add_argument("--version", action="version", version=f"lenstrace {__version__}")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
-    for command in (report, spots, trace, draw):
-        command.add_parser(commands)
-    parsed = parser.parse_args([_as_value(each) for each in (sys.argv[1:] if arguments is None else arguments)])
+    words = [_as_value(each) for each in (sys.argv[1:] if arguments is None else arguments)]
+    # only the command that is asked for is imported; all of them where it is their list that is asked for
+    for name in [word for word in words[:1] if word in COMMANDS] or COMMANDS:
+        importlib.import_module(f"lenstrace.cli.{name}").add_parser(commands)
+    parsed = parser.parse_args(words)
     keep_compiled_programs()
     try:
         parsed.run(parsed)

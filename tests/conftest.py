@@ -11,6 +11,8 @@ from lenstrace import Lens
 
 jax.config.update("jax_numpy_dtype_promotion", "strict")
 os.environ["JAX_ENABLE_COMPILATION_CACHE"] = "false"  # commands then keep no programs in the user's folder
+# nearly all programs run once or twice here: most of the time goes into compiling them
+os.environ["XLA_FLAGS"] = f"{os.environ.get('XLA_FLAGS', '')} --xla_backend_optimization_level=0"
 
 ROOT = Path(__file__).parent.parent
 

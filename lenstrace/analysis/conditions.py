@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 
 from lenstrace.compute.compiled import compiled
 from lenstrace.compute.pytree import is_traced
@@ -22,11 +21,13 @@ REMEMBERED = 64
 
 
 class Conditions(NamedTuple):
-    """Whether the lens has no power, its entrance pupil lies at infinity, its image does."""
+    """Whether the lens has no power, its entrance pupil lies at infinity, its image does; and where its exit pupil is,
+    mm from the vertex of the image surface, inf at infinity."""
 
-    powerless: jax.Array | bool
-    far: jax.Array | bool
-    image_far: jax.Array | bool
+    powerless: jax.Array
+    far: jax.Array
+    image_far: jax.Array
+    exit_position: jax.Array
 
 
 def with_pupil(lens: Lens) -> tuple[System, Front]:
@@ -61,7 +62,7 @@ def with_pupil(lens: Lens) -> tuple[System, Front]:
 def with_image(lens: Lens, question: str) -> tuple[System, Front]:
     """As `with_pupil`; ImageError where the image is at infinity too; `question` begins the message."""
     numbers = with_pupil(lens)
-    if not is_traced(lens) and _kept(lens)[1].image_far:
+    if image_is_far(lens):
         why = (
             "this lens is afocal (power 0)"
             if lens.object_distance is None
@@ -74,10 +75,21 @@ def with_image(lens: Lens, question: str) -> tuple[System, Front]:
     return numbers
 
 
+def image_is_far(lens: Lens) -> bool:
+    """True where the image lies at infinity; False while JAX traces the numbers of the lens, when nothing can be
+    known."""
+    return not is_traced(lens) and bool(conditions_of(lens).image_far)
+
+
+def conditions_of(lens: Lens) -> Conditions:
+    """The conditions of a lens; traced where JAX traces its numbers."""
+    return (_computed(lens.system.at(lens.system.primary)) if is_traced(lens) else _kept(lens))[1]
+
+
 @functools.lru_cache(maxsize=REMEMBERED)
 def _kept(lens: Lens) -> tuple[Front, Conditions]:
     front, conditions = _computed(lens.system.at(lens.system.primary))
-    return front, Conditions(*map(bool, map(np.asarray, conditions)))
+    return front, jax.device_get(conditions)
 
 
 @compiled
@@ -85,4 +97,5 @@ def _computed(system: System) -> tuple[Front, Conditions]:
     front = front_of(system)
     whole = paraxial.whole_matrix(system)
     far = ~jnp.isfinite(front.entrance.position)
-    return front, Conditions(paraxial.is_afocal(whole), far, paraxial.image_slope(system, whole) == 0)
+    image_far = paraxial.image_slope(system, whole) == 0
+    return front, Conditions(paraxial.is_afocal(whole), far, image_far, paraxial.exit_pupil(system).position)

@@ -83,7 +83,7 @@ def spots(lens: Lens, *, pattern: str = "hexapolar", rings: int = 6, vignetting:
     system, front = with_image(lens, "a spot")
     result = _spots(front, system, pupil_points(pattern, rings), vignetting)
     if not is_traced(result):
-        _check_arrivals(lens, result)
+        check_arrivals(lens, result)
     return result
 
 
@@ -188,7 +188,7 @@ def _root(square: jax.Array) -> jax.Array:
     return jnp.where(square == 0, 0, safe_sqrt(square)) * jnp.where(jnp.isnan(square), jnp.nan, 1)
 
 
-def _check_arrivals(lens: Lens, result: Spots) -> None:
+def check_arrivals(lens: Lens, result: Spots) -> None:
     """LostRaysError for the first field and wavelength none of whose rays arrives."""
     lost = np.asarray(result.lost)
     if (lost < result.rays).all():

@@ -21,11 +21,8 @@ def save_figure(figure: Figure, path: str | os.PathLike[str]) -> None:
 
     LensTraceError for another suffix, or where the file cannot be written; nothing is left behind then.
     """
+    kind = check_format(path)
     target = Path(path).resolve()  # a link is written through, not replaced
-    kind = target.suffix.lower().removeprefix(".")
-    if kind not in FORMATS:
-        got = f"got {target.suffix!r}" if kind else "got none"
-        raise LensTraceError(f"{path}: the suffix must be one of {', '.join(FORMATS)}, {got}")
     partial = target.with_name(f".{target.name}.partial")
     try:
         figure.savefig(partial, format=kind, dpi=RESOLUTION)
@@ -34,3 +31,13 @@ def save_figure(figure: Figure, path: str | os.PathLike[str]) -> None:
         raise LensTraceError(f"{path}: cannot be written: {error.strerror}") from None
     finally:
         partial.unlink(missing_ok=True)
+
+
+def check_format(path: str | os.PathLike[str]) -> str:
+    """The format that a suffix stands for; LensTraceError for another one. To ask before a long computation."""
+    suffix = Path(path).resolve().suffix
+    kind = suffix.lower().removeprefix(".")
+    if kind not in FORMATS:
+        got = f"got {suffix!r}" if kind else "got none"
+        raise LensTraceError(f"{path}: the suffix must be one of {', '.join(FORMATS)}, {got}")
+    return kind

@@ -40,7 +40,7 @@ def plot_spots(spots: Spots, lens: Lens, axes: Sequence[Axes] | None = None) -> 
     half = max(float(np.nanmax(np.abs([x, y]))), SMALLEST)
     unit, scale = ("mm", 1.0) if half > LARGE else ("µm", UM_PER_MM)
     rms = np.asarray(spots.polychromatic.rms_centroid) * scale
-    styles = _styles(lens.wavelengths.um)
+    styles = wavelength_styles(lens.wavelengths.um)
     for f, panel in enumerate(axes):
         for w, um in enumerate(lens.wavelengths.um):
             colour, marker = styles[w]
@@ -113,7 +113,7 @@ def _about_chief(spots: Spots, lens: Lens) -> tuple[np.ndarray, np.ndarray]:
     return found[0], found[1]
 
 
-def _styles(wavelengths: Sequence[float]) -> list[tuple[str, str]]:
+def wavelength_styles(wavelengths: Sequence[float]) -> list[tuple[str, str]]:
     """Colour and marker of each wavelength, blue to red as they rise."""
     count = len(wavelengths)
     ordered = colours(count)

@@ -89,6 +89,21 @@ def launch(
     return dataclasses.replace(ray, failure=jnp.where(aimed & (front.known > 0), ray.failure, lost).astype(jnp.int32))
 
 
+def path_before(front: Front, index: jax.Array, field: tuple[jax.Array, jax.Array], ray: Ray) -> jax.Array:
+    """Optical path, mm, to where rays of a field are launched from the wavefront of its light through the first vertex.
+
+    For a plane wave n d . r; for an object point P at a finite distance n (|r - P| - |P|), written so that it loses
+    nothing to the distance of the object. index: (S + 1,), at the wavelength of the rays.
+    """
+    at = ray.x, ray.y, ray.z
+    if front.system.object_distance is None:
+        return index[0] * dot((ray.l, ray.m, ray.n), at)
+    start = object_point(front, field)
+    apart = _minus(at, start)
+    both = jnp.sqrt(dot(apart, apart)) + jnp.sqrt(dot(start, start))
+    return index[0] * dot(at, _minus(apart, start)) / both
+
+
 def object_point(front: Front, field: tuple[jax.Array, jax.Array]) -> Vector:
     """The object point of a field, mm from the first vertex; the system has its object at a finite distance."""
     system, entrance = front.system, front.entrance

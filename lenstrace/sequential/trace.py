@@ -49,7 +49,15 @@ class Record(NamedTuple):
     tilt: Any
 
 
-def trace(system: System, ray: Ray, *, last: int | None = None, path: bool = False, sense: Any = 1.0) -> Ray:
+def trace(
+    system: System,
+    ray: Ray,
+    *,
+    last: int | None = None,
+    path: bool = False,
+    sense: Any = 1.0,
+    axial: bool = True,
+) -> Ray:
     """Rays through surfaces 1 ... last of a system at one wavelength.
 
     system:  `index` of shape (S + 1,), see `System.at`.
@@ -58,6 +66,8 @@ def trace(system: System, ray: Ray, *, last: int | None = None, path: bool = Fal
     path:    give every surface instead of the last one: a leading axis, 0 the rays as launched, then one a surface.
     sense:   +1, or -1 for rays that run against the light; of the shape of the rays or a scalar. It is not read off
              the direction: light of a field beyond 90 degrees enters a lens with n < 0.
+    axial:   False: optical path as its excess over the path along the axis from the first vertex to the surface's, for
+             differences of paths: no digits are lost to the length of the lens.
 
     Returns the rays in the frame of the surface (position on it, mm; direction after it; optical path from the
     launch point to it, mm). Failed rays carry the first failure and go on with finite numbers.
@@ -78,7 +88,7 @@ def trace(system: System, ray: Ray, *, last: int | None = None, path: bool = Fal
 
     end, met = lax.scan(jax.checkpoint(step, prevent_cse=False), start, (records, jnp.asarray(branch)))
     met = jax.tree.map(lambda a: a[None], end) if met is None else met
-    met = met if ray.opl is None else _whole_opl(records, met, forward)
+    met = met if ray.opl is None else _whole_opl(records, met, forward, axial)
     if not path:
         return jax.tree.map(lambda a: a[-1], met)
     return jax.tree.map(lambda a, b: jnp.concatenate([a[None], b]), ray, met)
@@ -165,15 +175,16 @@ def _records(system: System, last: int) -> Record:
     )
 
 
-def _whole_opl(records: Record, ray: Ray, forward: jax.Array) -> Ray:
-    """Optical path out of its excess; `ray` has the last surfaces, as many as its leading axis is long."""
-    axial = jnp.cumsum(records.orientation_before * records.index_before * records.gap)
+def _whole_opl(records: Record, ray: Ray, forward: jax.Array, axial: bool) -> Ray:
+    """Optical path out of W; `ray` has the last surfaces, as many as its leading axis is long."""
+    path = jnp.cumsum(records.orientation_before * records.index_before * records.gap)
     after = records.orientation_after * records.index_after
     count = ray.x.shape[0]
     shape = (count, *(1,) * (ray.x.ndim - 1))
-    axial, after = axial[-count:].reshape(shape), after[-count:].reshape(shape)
+    path, after = path[-count:].reshape(shape), after[-count:].reshape(shape)
     assert ray.opl is not None
-    return _replace_opl(ray, ray.opl + forward * (axial + after * ray.z))
+    beyond = after * ray.z + (path if axial else 0)
+    return _replace_opl(ray, ray.opl + forward * beyond)
 
 
 def _replace_opl(ray: Ray, opl: jax.Array) -> Ray:

@@ -70,9 +70,10 @@ def test_a_spot_inside_loses_few_rays() -> None:
     assert [int(lost) for lost in whole.lost[:, 0]] == [0, (np.hypot(x, y - 4 * TILT) > 1).sum()]
     # an ellipse reaches a little beyond two circles that overlap
     x, y = math.sqrt(1 - (2 * TILT) ** 2) * x, (1 - 2 * TILT) * y
-    beyond = np.hypot(x, y - 2 * TILT) > 1 + 1e-12
-    assert [int(lost) for lost in inside.lost[:, 0]] == [0, beyond.sum()]
-    assert beyond.sum() < 20
+    radius = np.hypot(x, y - 2 * TILT)
+    assert int(inside.lost[0, 0]) == 0
+    # some points lie on the rim itself
+    assert (radius > 1 + 1e-9).sum() <= int(inside.lost[1, 0]) <= (radius > 1 - 1e-9).sum() < 20
     assert_allclose(inside.y[1, 0].max() - inside.y[1, 0].min(), 10 * (1 - 2 * TILT), rtol=1e-6)
 
 

@@ -17,13 +17,14 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from tests.benchmarks import processes, rates, small
+from tests.benchmarks import diffraction, processes, rates, small
 
 SECTIONS = {
     "forward": rates.forward,
     "asphere": rates.asphere,
     "gradient": rates.gradient,
     "small": small.small,
+    "diffraction": diffraction.diffraction,
     "memory": processes.memory,
     "compile": processes.compile,
     "start": processes.start,

@@ -51,21 +51,6 @@ def test_gradient_by_every_number_of_the_rows(lens: Lens) -> None:
         assert_allclose(found[i], difference, rtol=1e-6, atol=1e-9, err_msg=str(i))
 
 
-def test_forward_and_reverse_agree_through_the_lens(lens: Lens) -> None:
-    def rms(curvature: jax.Array) -> jax.Array:
-        return lenstrace.spots(lens.replace(curvature=curvature), rings=2).rms_centroid
-
-    curvature = jnp.asarray(lens.curvature)
-    forward, reverse = (jax.jit(by(rms), compiler_options=QUICKLY)(curvature) for by in (jax.jacfwd, jax.jacrev))
-    assert_allclose(forward, reverse, rtol=1e-10, atol=1e-12)
-
-
-def test_a_batch_of_lenses_is_a_vmap(lens: Lens) -> None:
-    curvature = jnp.asarray(lens.curvature) * jnp.array([0.98, 1.0, 1.03])[:, None]
-    batch = jax.vmap(lambda c: merit(lens.replace(curvature=c)))(curvature)
-    assert_allclose(batch, [merit(lens.replace(curvature=np.asarray(c))) for c in curvature], rtol=1e-12)
-
-
 def test_lost_rays_leave_gradients_finite() -> None:
     # half the rays of the second field miss the strong ball, some are clipped, some totally reflected
     rows = [
