@@ -20,10 +20,12 @@ from lenstrace.analysis.cardinal import Overview, first_order, overview
 from lenstrace.analysis.mean_square import mean_square_spot
 from lenstrace.analysis.newton import NewtonCheck, newton_check
 from lenstrace.analysis.rays import ray, trace
-from lenstrace.analysis.spots import Spots, spots
+from lenstrace.analysis.spot_figures import Spots
+from lenstrace.analysis.spots import spots
 from lenstrace.analysis.vignetting import Vignetting, vignetting
 from lenstrace.compute.compiled import COMPILER_OPTIONS
 from lenstrace.errors import (
+    AccuracyError,
     ImageError,
     LensTraceError,
     LostRaysError,
@@ -63,6 +65,7 @@ if TYPE_CHECKING:
     from lenstrace.analysis.sheet import sheet
     from lenstrace.analysis.spot_curves import spot_field, spot_spectrum
     from lenstrace.analysis.third_order import Seidel
+    from lenstrace.analysis.trade import LensTrade, trade
     from lenstrace.analysis.wave_focus import wave_focus
     from lenstrace.analysis.wavefront import Wavefront, wavefront, zernike_coefficients
     from lenstrace.analysis.zernike import fit_zernike, zernike
@@ -87,6 +90,7 @@ if TYPE_CHECKING:
     from lenstrace.plotting.rays import plot_rays
     from lenstrace.plotting.spot_curves import plot_spot_field, plot_spot_spectrum
     from lenstrace.plotting.spots import plot_spots
+    from lenstrace.plotting.trade import plot_trade
     from lenstrace.plotting.wavefront import plot_wavefront
     from lenstrace.sequential.prescription import lens
 
@@ -94,6 +98,7 @@ __version__ = "0.1.0"
 
 __all__ = [
     "COMPILER_OPTIONS",
+    "AccuracyError",
     "Aperture",
     "AxialColour",
     "BestFocus",
@@ -109,6 +114,7 @@ __all__ = [
     "LateralColour",
     "Lens",
     "LensTraceError",
+    "LensTrade",
     "LongitudinalAberration",
     "LostRaysError",
     "MediumError",
@@ -177,6 +183,7 @@ __all__ = [
     "plot_spot_spectrum",
     "plot_spots",
     "plot_through_focus",
+    "plot_trade",
     "plot_wavefront",
     "psf",
     "ray",
@@ -189,6 +196,7 @@ __all__ = [
     "spots",
     "through_focus",
     "trace",
+    "trade",
     "vignetting",
     "wave_focus",
     "wavefront",
@@ -207,6 +215,7 @@ _IMPORTED_WHEN_USED = {
     "IncidenceAngles": "lenstrace.analysis.illumination",
     "LateralColour": "lenstrace.analysis.colour",
     "LongitudinalAberration": "lenstrace.analysis.colour",
+    "LensTrade": "lenstrace.analysis.trade",
     "Mtf": "lenstrace.analysis.mtf",
     "Psf": "lenstrace.analysis.psf",
     "Seidel": "lenstrace.analysis.third_order",
@@ -254,6 +263,7 @@ _IMPORTED_WHEN_USED = {
     "plot_spot_spectrum": "lenstrace.plotting.spot_curves",
     "plot_spots": "lenstrace.plotting.spots",
     "plot_through_focus": "lenstrace.plotting.focus",
+    "plot_trade": "lenstrace.plotting.trade",
     "plot_wavefront": "lenstrace.plotting.wavefront",
     "psf": "lenstrace.analysis.psf",
     "relative_illumination": "lenstrace.analysis.illumination",
@@ -263,6 +273,7 @@ _IMPORTED_WHEN_USED = {
     "spot_field": "lenstrace.analysis.spot_curves",
     "spot_spectrum": "lenstrace.analysis.spot_curves",
     "through_focus": "lenstrace.analysis.focus",
+    "trade": "lenstrace.analysis.trade",
     "wave_focus": "lenstrace.analysis.wave_focus",
     "wavefront": "lenstrace.analysis.wavefront",
     "zernike": "lenstrace.analysis.zernike",

@@ -12,7 +12,10 @@ from lenstrace import __version__
 from lenstrace.cli.cache import keep_compiled_programs
 from lenstrace.errors import LensTraceError
 
-COMMANDS = ("report", "spots", "trace", "draw", "seidel", "fans", "field", "wavefront", "psf", "mtf", "focus", "sheet")
+COMMANDS = (
+    *("report", "spots", "trace", "draw", "seidel", "fans", "field", "wavefront", "psf", "mtf", "focus", "sheet"),
+    "trade",
+)
 USAGE_ERROR = 2
 
 

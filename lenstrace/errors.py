@@ -7,7 +7,8 @@
     |  `- WavelengthError      a wavelength outside the range a medium is known for
     |- RayError              rays that cannot be launched: an un-normalized direction, a field that is not a number
     |- LostRaysError         a question whose rays all fail
-    `- ImageError            a question that needs an image, where the image is at infinity
+    |- ImageError            a question that needs an image, where the image is at infinity
+    `- AccuracyError         an accuracy that cannot be asked for: a tolerance that is not positive
 
 A ray that fails inside a trace is data (`RayStatus`), never an exception.
 """
@@ -43,3 +44,7 @@ class LostRaysError(LensTraceError):
 
 class ImageError(LensTraceError):
     """A question that needs an image where there is none, because it is at infinity."""
+
+
+class AccuracyError(LensTraceError):
+    """An accuracy that cannot be asked for."""

@@ -1,6 +1,8 @@
-"""What every test runs under: strict dtype promotion, so that nothing is upcast by accident; no cache."""
+"""What every test runs under: strict dtype promotion, so that nothing is upcast by accident; programs shared by all."""
 
 import os
+import shutil
+import tempfile
 from pathlib import Path
 
 import jax
@@ -10,9 +12,18 @@ import lenstrace
 from lenstrace import Lens
 
 jax.config.update("jax_numpy_dtype_promotion", "strict")
-os.environ["JAX_ENABLE_COMPILATION_CACHE"] = "false"  # commands then keep no programs in the user's folder
+# Workers, commands and notebooks take programs from one folder, made by the first process and removed by it; none are
+# kept in the user's.
+OWNS_PROGRAMS = "JAX_COMPILATION_CACHE_DIR" not in os.environ
+PROGRAMS = os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", tempfile.mkdtemp(prefix="lenstrace-programs-"))
+os.environ["JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"] = "0.1"
+os.environ["JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES"] = "-1"
+jax.config.update("jax_compilation_cache_dir", PROGRAMS)
+jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)
+jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
 # nearly all programs run once or twice here: most of the time goes into compiling them
-os.environ["XLA_FLAGS"] = f"{os.environ.get('XLA_FLAGS', '')} --xla_backend_optimization_level=0"
+QUICKLY = "--xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false"
+os.environ["XLA_FLAGS"] = f"{os.environ.get('XLA_FLAGS', '')} {QUICKLY}"
 
 ROOT = Path(__file__).parent.parent
 
@@ -48,3 +59,9 @@ def rich_lens() -> Lens:
         name="all keys",
         source="a test",
     )
+
+
+def pytest_unconfigure() -> None:
+    """Remove the programs."""
+    if OWNS_PROGRAMS:
+        shutil.rmtree(PROGRAMS, ignore_errors=True)

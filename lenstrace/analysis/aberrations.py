@@ -188,10 +188,6 @@ def _departure(system: System, vertex_curvature: jax.Array) -> jax.Array:
 
     A conic is c r^2 / 2 + (1 + k) c^3 r^4 / 8 + ..., a sphere the same with k = 0.
     """
-    c, k, terms = system.curvature[:-1], system.conic[:-1], system.coefficients[:-1]
-    powers = np.zeros(terms.shape, int)
-    for row, kind in zip(powers, system.kinds[:-1], strict=True):
-        row[: len(kind.powers)] = kind.powers
-    fourth = jnp.sum(jnp.where(powers == 4, terms, 0), -1)
-    covered = ~jnp.any(np.isin(powers, BELOW_THIRD_ORDER) & (terms != 0), -1)
+    c, k, fourth = system.curvature[:-1], system.conic[:-1], system.term(4)[:-1]
+    covered = jnp.all(jnp.stack([system.term(power)[:-1] == 0 for power in BELOW_THIRD_ORDER]), 0)
     return jnp.where(covered, fourth + (k * c**3 + (c**3 - vertex_curvature**3)) / 8, jnp.nan)

@@ -15,7 +15,8 @@ from jax.typing import ArrayLike
 
 from lenstrace.analysis.conditions import with_image
 from lenstrace.analysis.image_lines import ImageLines, image_lines, spots_at
-from lenstrace.analysis.spots import Spots, check_arrivals
+from lenstrace.analysis.spot_figures import Spots
+from lenstrace.analysis.spots import check_arrivals
 from lenstrace.compute.compiled import compiled
 from lenstrace.compute.pytree import is_traced, pytree
 from lenstrace.errors import RayError
@@ -193,7 +194,8 @@ def _deviations(
         return jnp.swapaxes(values, 0, 1).reshape(values.shape[1], -1)
 
     alive = of_field(lines.failure[..., 1:]) == 0
-    weight = jnp.where(alive, of_field(jnp.broadcast_to(jnp.reshape(weights, (-1, 1, 1)), lines.x[..., 1:].shape)), 0)
+    share = jnp.reshape(weights, (-1, 1, 1)) * lines.weight
+    weight = jnp.where(alive, of_field(jnp.broadcast_to(share, lines.x[..., 1:].shape)), 0)
     total = jnp.sum(weight, -1)
     rays = weight / jnp.where(total > 0, total, 1)[:, None]
 

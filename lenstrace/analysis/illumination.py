@@ -142,7 +142,7 @@ def _bundle(asked: _Asked, rays: Rays) -> tuple[jax.Array, jax.Array]:
     basis = jnp.stack([one, zero]), jnp.stack([zero, one])
     _, ((l_x, l_y), (m_x, m_y)), ray = jax.vmap(derivative, out_axes=(None, 0, None))(basis)
     system = front.system
-    numbers = system.curvature[-1], system.conic[-1], system.coefficients[-1]
+    numbers = system.curvature[-1], system.conic[-1], system.coefficients[-1], system.norm_radius[-1]
     normal = _normal(numbers, system.kinds[-1].powers, (ray.x, ray.y, ray.z))
     # dl dm = |n| dOmega; on a tilted element of the image cos(theta) takes the place of |n|
     tilt = dot(normal, (ray.l, ray.m, ray.n)) / jnp.sqrt(dot(normal, normal)) / jnp.where(ray.n == 0, 1, ray.n)
@@ -189,7 +189,7 @@ def _incidence(front: Front, system: System, shares: Any, scale: jax.Array | flo
 
 def _normals(system: System, point: Vector) -> Vector:
     """Normals, of any length, of the surfaces 1 ... S + 1 at points of each, (K, ...)."""
-    numbers = system.curvature, system.conic, system.coefficients
+    numbers = system.curvature, system.conic, system.coefficients, system.norm_radius
     conics = jax.vmap(lambda surface, p: _normal(surface, (), p))(numbers, point)
     powers = max((kind.powers for kind in system.kinds), key=len)
     if not powers:
@@ -200,9 +200,9 @@ def _normals(system: System, point: Vector) -> Vector:
     return x, y, z
 
 
-def _normal(numbers: tuple[jax.Array, jax.Array, jax.Array], powers: tuple[int, ...], point: Vector) -> Vector:
-    """The normal of one surface, of any length; numbers: its curvature, conic, and coefficients."""
-    curvature, conic, coefficients = numbers
+def _normal(numbers: tuple[jax.Array, ...], powers: tuple[int, ...], point: Vector) -> Vector:
+    """The normal of one surface, of any length; numbers: its curvature, conic, coefficients and norm radius."""
+    curvature, conic, coefficients, norm_radius = numbers
     if not powers:
         return Conic(curvature, conic).normal(*point)
-    return Asphere(curvature, conic, coefficients, powers).normal(point[0], point[1])
+    return Asphere(curvature, conic, coefficients, norm_radius, powers).normal(point[0], point[1])

@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-import dataclasses
 from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import lax
 
+from lenstrace.analysis.arrivals import Asked, arrivals, for_each_field
 from lenstrace.analysis.conditions import conditions_of, with_pupil
-from lenstrace.compute.blocks import each
 from lenstrace.compute.pytree import is_traced, pytree, static
 from lenstrace.errors import LostRaysError
 from lenstrace.optics.rays import Ray, has_course, split_failure
-from lenstrace.sequential.launch import Front, launch, path_before
 from lenstrace.sequential.lens import Lens
-from lenstrace.sequential.trace import trace
+from lenstrace.sequential.system import System
 
 
 @pytree
@@ -49,33 +46,26 @@ class ImageRays:
     sense: int = static()
 
 
-def image_rays(lens: Lens, pupil_x: Any, pupil_y: Any) -> ImageRays:
+def image_rays(lens: Lens, pupil_x: Any, pupil_y: Any, *, axial: bool = False) -> ImageRays:
     """The rays of every field and wavelength of a lens through points of its pupil, (N,), (F, N) or (W, F, N).
 
+    axial: True: their paths are whole, with the path along the axis; differences of them lose digits to it.
     LostRaysError where the chief ray of a field has no course: there is nothing to measure the others from.
     """
     system, front = with_pupil(lens)
-    dtype = system.curvature.dtype
-    xp = jnp if any(isinstance(a, jax.Array) for a in (system.fields, pupil_x, pupil_y)) else np
-    points = [xp.asarray(p).astype(dtype) for p in (pupil_x, pupil_y)]
-    shape = len(lens.fields.y), points[0].shape[-1]
-    points = [xp.broadcast_to(p, (*p.shape[:-2], *shape)) for p in points]
-    first = [(0, 0)] * (points[0].ndim - 1) + [(1, 0)]
-    sent = [xp.pad(p, first) for p in points]
-    # one set of points for each wavelength, or one for all
-    sent = [tuple(p) if p.ndim == 3 else (p,) for p in sent]
-    fields = [xp.broadcast_to(system.fields[:, i : i + 1], sent[0][0].shape) for i in (0, 1)]
-    rays = each(_arriving, (front, system.index), (*fields, *sent))
+    asked = Asked(front, system.index, _all, path=True, axial=axial)
+    rays = arrivals(asked, system.fields, pupil_x, pupil_y)
     if not is_traced(rays):
         _check_chief(lens, np.asarray(rays.failure)[..., 0])
     conditions = conditions_of(lens)
+    x, y = for_each_field(len(system.fields), system.curvature.dtype, pupil_x, pupil_y)
     return ImageRays(
         rays,
-        points[0],
-        points[1],
+        x,
+        y,
         conditions.exit_position,
         system.index[:, -1],
-        np.asarray(lens.wavelengths.um, dtype),
+        np.asarray(lens.wavelengths.um, system.curvature.dtype),
         system.weights,
         conditions.image_far,
         primary=system.primary,
@@ -83,20 +73,8 @@ def image_rays(lens: Lens, pupil_x: Any, pupil_y: Any) -> ImageRays:
     )
 
 
-def _arriving(lens: tuple[Front, jax.Array], points: tuple[Any, ...]) -> Ray:
-    """The rays (W, N) at the image; lens: its front, and its index (W, S + 1); points: field x and y, and pupil x and y
-    for each wavelength or once for all."""
-    (front, indices), (field_x, field_y, pupil_x, pupil_y) = lens, points
-    field = field_x, field_y
-
-    def at(wave: tuple[jax.Array, jax.Array, jax.Array]) -> Ray:
-        index, *pupil = wave
-        start = launch(front, index, field, (pupil[0], pupil[1]))
-        start = dataclasses.replace(start, opl=path_before(front, index, field, start))
-        return trace(front.system.with_index(index), start, axial=False)
-
-    shape = len(indices), *field_x.shape
-    return lax.map(at, (jnp.asarray(indices), *(jnp.broadcast_to(jnp.stack(p), shape) for p in (pupil_x, pupil_y))))
+def _all(_: System, rays: Ray) -> Ray:
+    return rays
 
 
 def _check_chief(lens: Lens, failure: np.ndarray) -> None:

@@ -98,7 +98,7 @@ def layout(lens: Lens, *, rays_per_field: int = 5) -> Layout:
     if rays_per_field < 1:
         raise RayError(f"rays_per_field must be at least 1, got {rays_per_field}")
     fan = np.linspace(-1.0, 1.0, FAN_STEPS * max(rays_per_field - 1, 1) + 1)
-    pattern_x, pattern_y = pupil_points("hexapolar", RINGS)
+    pattern_x, pattern_y, _ = pupil_points("hexapolar", RINGS)
     pupil = np.append(pattern_x, 0 * fan), np.append(pattern_y, fan)
     x, y = (np.array(jax.device_get(values), float) for values in (lens.fields.x, lens.fields.y))
     path = jax.device_get(trace(lens, field=(x[:, None], y[:, None]), pupil=pupil))

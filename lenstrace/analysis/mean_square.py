@@ -15,7 +15,7 @@ from lenstrace.compute.pytree import pytree
 from lenstrace.compute.totals import moving, total
 from lenstrace.sequential.launch import Front, launch
 from lenstrace.sequential.lens import Lens
-from lenstrace.sequential.sampling import pupil_points
+from lenstrace.sequential.sampling import PupilPoints, pupil_points
 from lenstrace.sequential.trace import trace
 
 
@@ -37,12 +37,12 @@ def mean_square_spot(lens: Lens, *, pattern: str = "hexapolar", rings: int = 6) 
     pattern, rings: how the pupil is sampled, see `pupil_points`. ImageError where the image is at infinity.
     """
     system, front = with_image(lens, "a spot")
-    pupil = tuple(p.astype(system.curvature.dtype) for p in pupil_points(pattern, rings))
-    return _mean_square(Imaged(front, *map(jnp.asarray, (system.fields, system.index, system.weights))), pupil)
+    points = jax.tree.map(lambda p: p.astype(system.curvature.dtype), pupil_points(pattern, rings))
+    return _mean_square(Imaged(front, *map(jnp.asarray, (system.fields, system.index, system.weights))), points)
 
 
 @jax.custom_jvp
-def _mean_square(lens: Imaged, pupil: tuple[np.ndarray, np.ndarray]) -> jax.Array:
+def _mean_square(lens: Imaged, pupil: PupilPoints) -> jax.Array:
     return _about(lens, pupil, *_centres(lens, pupil))
 
 
@@ -58,7 +58,8 @@ _mean_square.defjvp(_derivative, symbolic_zeros=True)
 
 
 def _centres(lens: Imaged, pupil: Any) -> tuple[jax.Array, jax.Array]:
-    """The centroid of each field (F, 2), and how many rays of each field and wavelength arrive (F, W)."""
+    """The centroid of each field (F, 2), and the weight of the rays of each field and wavelength that arrive
+    (F, W)."""
     return _pooled_places(total(_places, lens, _pairs(lens), pupil), lens.weights)
 
 
@@ -90,21 +91,23 @@ def _pairs(lens: Imaged) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _places(lens: Imaged, case: tuple[jax.Array, jax.Array], pupil: Any) -> tuple[jax.Array, jax.Array, jax.Array]:
-    """Of each ray: 1 where it arrives, else 0, and its x and y."""
-    x, y, arrives = _arriving(lens, *case, pupil)
-    return arrives, jnp.where(arrives > 0, x, 0), jnp.where(arrives > 0, y, 0)
+    """Of each ray: its weight where it arrives, else 0, and that times its x and y."""
+    x, y, weight = _arriving(lens, *case, pupil)
+    return weight, weight * x, weight * y
 
 
 def _squares(lens: Imaged, case: tuple[jax.Array, jax.Array, jax.Array], pupil: Any) -> jax.Array:
-    """The squared distance of each ray from the centre."""
+    """The squared distance of each ray from the centre, times its weight."""
     field, wave, centre = case
-    x, y, arrives = _arriving(lens, field, wave, pupil)
-    return jnp.where(arrives > 0, (x - centre[0]) ** 2 + (y - centre[1]) ** 2, 0)
+    x, y, weight = _arriving(lens, field, wave, pupil)
+    return weight * ((x - centre[0]) ** 2 + (y - centre[1]) ** 2)
 
 
 def _arriving(lens: Imaged, field: jax.Array, wave: jax.Array, pupil: Any) -> tuple[jax.Array, jax.Array, jax.Array]:
-    """x and y at the image, and 1 where a ray arrives, else 0."""
+    """x and y at the image, and the weight of a ray where it arrives, else 0."""
     index = lax.dynamic_index_in_dim(lens.index, wave, keepdims=False)
     angles = lax.dynamic_index_in_dim(lens.fields, field, keepdims=False)
-    image = trace(lens.front.system.with_index(index), launch(lens.front, index, (angles[0], angles[1]), pupil))
-    return image.x, image.y, image.ok.astype(image.x.dtype)
+    image = trace(
+        lens.front.system.with_index(index), launch(lens.front, index, (angles[0], angles[1]), (pupil.x, pupil.y))
+    )
+    return image.x, image.y, jnp.where(image.ok, pupil.weight, 0)

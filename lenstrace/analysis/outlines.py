@@ -59,7 +59,9 @@ def placed_surfaces(lens: Lens) -> list[Placed]:
         square = (1 + conic) * curvature**2
         found.append(
             Placed(
-                Asphere(system.curvature[i], system.conic[i], system.coefficients[i], kind.powers),
+                Asphere(
+                    system.curvature[i], system.conic[i], system.coefficients[i], system.norm_radius[i], kind.powers
+                ),
                 rotations[i],
                 origins[i],
                 across / length if length > 1e-9 else np.array([0.0, 1.0]),

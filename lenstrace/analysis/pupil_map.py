@@ -48,7 +48,7 @@ def _terms() -> tuple[np.ndarray, np.ndarray]:
 @functools.cache
 def sampled() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Points of the pupil whose rays make the map, x and y (N,), and the matrix (D, D, N) that fits the polynomial."""
-    x, y = pupil_points("hexapolar", RINGS)
+    x, y, _ = pupil_points("hexapolar", RINGS)
     a, b = _terms()
     fit = np.zeros((DEGREE + 1, DEGREE + 1, len(x)))
     fit[a, b] = np.linalg.pinv((x[:, None] ** a) * (y[:, None] ** b))

@@ -132,6 +132,9 @@ def _numbers(values: Iterable[Any], dtype: Any) -> tuple[Any, ...]:
     except ValueError:
         shapes = ", ".join(str(np.shape(value)) for value in values)
         raise RayError(f"field and pupil, or the numbers of the rays, do not broadcast: shapes {shapes}") from None
+    alike = len(set(map(np.shape, values))) == 1
+    if alike and any(isinstance(value, jax.Array) for value in values):
+        return tuple(jnp.asarray(value, dtype) for value in values)
     if any(isinstance(value, jax.Array) for value in values):
         return tuple(jnp.broadcast_arrays(*(jnp.asarray(value, dtype) for value in values)))
     return np.broadcast_arrays(*(np.asarray(value, dtype) for value in values))

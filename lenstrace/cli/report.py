@@ -11,7 +11,8 @@ from lenstrace.analysis.cardinal import Overview, first_order, overview
 from lenstrace.analysis.layout import layout
 from lenstrace.analysis.newton import NewtonCheck, newton_check
 from lenstrace.analysis.published import published_figures
-from lenstrace.analysis.spots import Spots, spots
+from lenstrace.analysis.spot_figures import Spots
+from lenstrace.analysis.spots import spots
 from lenstrace.cli.output import add_common, number_text, print_json, print_table
 from lenstrace.cli.spots import polychromatic_rows
 from lenstrace.errors import ImageError, LostRaysError

@@ -8,9 +8,11 @@ from typing import Any
 import jax
 import numpy as np
 
-from lenstrace.analysis.spots import Spots, loss_text, spots
+from lenstrace.analysis.spot_figures import Spots, loss_text
+from lenstrace.analysis.spots import spots
 from lenstrace.analysis.vignetting import Vignetting, vignetting
 from lenstrace.cli.output import add_common, number_text, print_json, print_table
+from lenstrace.errors import RayError
 from lenstrace.io.native import load
 from lenstrace.plotting.files import save_figure
 from lenstrace.plotting.spots import spots_figure
@@ -24,13 +26,14 @@ def add_parser(commands: Any) -> None:
     """Register the command."""
     parser = commands.add_parser("spots", help="spot sizes per field and wavelength")
     add_common(parser)
+    parser.add_argument("--rings", type=int, help="rings of the hexapolar pattern, or the density of the others (6)")
+    parser.add_argument("--pattern", choices=PATTERNS, help="how the pupil is sampled (hexapolar)")
     parser.add_argument(
-        "--rings",
-        type=int,
-        default=6,
-        help="rings of the hexapolar pattern, or the density of the others (6)",
+        "--tolerance",
+        type=float,
+        metavar="T",
+        help="relative error of each RMS: rays are chosen by need, and errors estimated",
     )
-    parser.add_argument("--pattern", choices=PATTERNS, default="hexapolar", help="how the pupil is sampled (hexapolar)")
     parser.add_argument("--clip", action="store_true", help="semi-diameters stop rays, as apertures do")
     parser.add_argument(
         "--vignetting", action="store_true", help="find the part of the pupil that each field fills, and sample that"
@@ -44,8 +47,11 @@ def run(arguments: argparse.Namespace) -> None:
     lens = load(arguments.design)
     if arguments.clip:
         lens = lens.replace(clip_at_semi_diameters=True)
+    if arguments.tolerance is not None and (arguments.vignetting or arguments.pattern or arguments.rings is not None):
+        raise RayError("--tolerance chooses the rays by itself: leave out --pattern, --rings and --vignetting")
     filled = vignetting(lens) if arguments.vignetting else None
-    result = jax.device_get(spots(lens, pattern=arguments.pattern, rings=arguments.rings, vignetting=filled))
+    pattern, rings = arguments.pattern or "hexapolar", 6 if arguments.rings is None else arguments.rings
+    result = jax.device_get(spots(lens, pattern=pattern, rings=rings, vignetting=filled, tolerance=arguments.tolerance))
     if arguments.plot:
         save_figure(spots_figure(result, lens), arguments.plot)
     if arguments.json:
@@ -53,9 +59,15 @@ def run(arguments: argparse.Namespace) -> None:
         return
     if filled is not None:
         print_table("Pupil that arrives, in units of its radius", *_vignetting_rows(lens, filled))
-    title = f"{lens.name or arguments.design}: {arguments.pattern} pattern, {result.rays} rays for each spot"
+    how = f"{pattern} pattern" if result.error is None else f"two gaussian rules of {result.error.rings} rings"
+    title = f"{lens.name or arguments.design}: {how}, {result.rays} rays for each spot"
     print_table(title, *_rows(lens, result))
     print_table("All wavelengths pooled by weight", *polychromatic_rows(lens, result))
+    if result.error is not None:
+        reached = "reached" if result.error.reached else "NOT reached"
+        print(
+            f"tolerance {result.error.tolerance:g}: {reached}; errors are estimates, against the open pupil's integral"
+        )
     for place, text in _losses(lens, result):
         print(f"lost, {place}: {text}")
     if arguments.plot:
@@ -91,7 +103,16 @@ def spots_keys(lens: Lens, result: Spots) -> dict[str, Any]:
         }
         for f in range(len(lens.fields.y))
     ]
-    return {"spots": single, "polychromatic": together}
+    if result.error is None:
+        return {"spots": single, "polychromatic": together}
+    waves = len(lens.wavelengths.um)
+    for place, spot in enumerate(single):
+        spot["rms_centroid_error"] = result.error.rms_centroid[divmod(place, waves)]
+        spot["open"] = result.error.open[divmod(place, waves)]
+    for f, spot in enumerate(together):
+        spot["rms_centroid_error"] = result.error.polychromatic[f]
+    accuracy = {name: getattr(result.error, name) for name in ("tolerance", "reached", "rings")}
+    return {"spots": single, "polychromatic": together, "accuracy": accuracy}
 
 
 def vignetting_keys(lens: Lens, filled: Vignetting | None) -> dict[str, Any]:
@@ -116,6 +137,8 @@ def polychromatic_rows(lens: Lens, result: Spots) -> tuple[list[str], list[list[
         "RMS about primary chief ray, mm",
     ]
     waves = len(lens.wavelengths.um)
+    if result.error is not None:
+        columns.append("error, mm")
     rows = [
         [
             field_text(lens, f),
@@ -123,6 +146,7 @@ def polychromatic_rows(lens: Lens, result: Spots) -> tuple[list[str], list[list[
             str(int(np.asarray(result.lost)[f].sum())),
             number_text(result.polychromatic.rms_centroid[f], 9),
             number_text(result.polychromatic.rms_primary_chief[f], 9),
+            *([] if result.error is None else [f"{result.error.polychromatic[f]:.1e}"]),
         ]
         for f in range(len(lens.fields.y))
     ]
@@ -146,6 +170,8 @@ def _rows(lens: Lens, result: Spots) -> tuple[list[str], list[list[str]]]:
         "chief x, mm",
     ]
     columns += ["chief y, mm", "RMS about centroid, mm", "RMS about chief, mm", "largest, mm"]
+    if result.error is not None:
+        columns += ["error of RMS, mm", "open"]
     figures = ("centroid_x", "centroid_y", "chief_x", "chief_y", "rms_centroid", "rms_chief", "largest")
     arrays = [np.asarray(getattr(result, name)) for name in figures]
     # a centroid that is 0 but for rounding is 0 to a reader
@@ -157,11 +183,18 @@ def _rows(lens: Lens, result: Spots) -> tuple[list[str], list[list[str]]]:
             str(result.rays),
             str(int(result.lost[f, w])),
             *(number_text(0.0 if abs(array[f, w]) < floor else array[f, w], 9) for array in arrays),
+            *_accuracy_cells(result, f, w),
         ]
         for f in range(len(lens.fields.y))
         for w, um in enumerate(lens.wavelengths.um)
     ]
     return columns, rows
+
+
+def _accuracy_cells(result: Spots, field: int, wave: int) -> list[str]:
+    if result.error is None:
+        return []
+    return [f"{result.error.rms_centroid[field, wave]:.1e}", number_text(result.error.open[field, wave])]
 
 
 def _vignetting_rows(lens: Lens, filled: Vignetting) -> tuple[list[str], list[list[str]]]:

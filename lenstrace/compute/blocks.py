@@ -20,7 +20,7 @@ import numpy as np
 from jax import lax
 from jax.experimental.xla_metadata import set_xla_metadata
 
-from lenstrace.compute.compiled import compiled, with_precision
+from lenstrace.compute.compiled import COMPILER_OPTIONS, compiled, with_precision
 from lenstrace.compute.pytree import is_traced
 
 # Bytes that one number of every ray of a block takes; a dozen such arrays are alive at a time in a trace.
@@ -49,17 +49,49 @@ def each(function: RayFunction, parameters: Any, rays: Any) -> Any:
     shape = np.shape(jax.tree.leaves(rays)[0])
     rays = jax.tree.map(lambda a: np.asarray(a).reshape(-1), rays)
     count = ray_count(rays)
-    shapes = jax.eval_shape(run, parameters, cut(rays, 0, CHUNK))
+    shapes = _result_shapes(function, parameters, cut(rays, 0, CHUNK))
     results = jax.tree.map(lambda s: _aligned((*s.shape[:-1], count), s.dtype), shapes)
+    fill, chunks = _fill(function), iter(range(0, count, CHUNK))
 
-    def share(first: int) -> None:
-        # the last share begins earlier, so that it is full, and writes only what is new
-        start = min(first, count - CHUNK)
-        values = run(parameters, cut(rays, start, CHUNK))
-        jax.tree.map(lambda whole, part: _put(whole, first, np.asarray(part)[..., first - start :]), results, values)
+    def share(_: int) -> None:
+        # all results of a thread come to the same memory: it stays warm, and is neither cleared nor given back
+        values = jax.tree.map(lambda s: jnp.zeros(s.shape, s.dtype), shapes)
+        for first in chunks:
+            # the last chunk begins earlier, so that it is full, and writes only what is new
+            start = min(first, count - CHUNK)
+            values = jax.block_until_ready(fill(parameters, cut(rays, start, CHUNK), values))
+            for whole, part in zip(jax.tree.leaves(results), jax.tree.leaves(values), strict=True):
+                # a view that JAX does not keep, or the memory could not be used again
+                whole[..., first : start + CHUNK] = np.from_dlpack(part)[..., first - start :]
 
-    list(threads().map(with_precision(share), range(0, count, CHUNK)))
+    list(threads().map(with_precision(share), range(os.cpu_count() or 1)))
     return jax.tree.map(lambda a: jnp.from_dlpack(a.reshape(*a.shape[:-1], *shape)), results)
+
+
+@functools.cache
+def _fill(function: RayFunction) -> Callable[[Any, Any, Any], Any]:
+    """The function for a chunk, into the memory of earlier results, which are then gone."""
+    traced_once = jax.jit(function)
+
+    def filled(parameters: Any, rays: Any, results: Any) -> Any:
+        return in_one_loop(_fill_blocks, traced_once, parameters, (rays, results), False)
+
+    return jax.jit(filled, compiler_options=COMPILER_OPTIONS, donate_argnums=2)
+
+
+def _result_shapes(function: RayFunction, parameters: Any, rays: Any) -> Any:
+    """Shapes and types of what the function returns; found once, they take as long as tracing it."""
+    leaves, structure = jax.tree.flatten((parameters, rays))
+    wide = jax.config.jax_enable_x64  # pyright: ignore[reportAttributeAccessIssue]
+    return _shapes_of(function, structure, tuple((np.shape(leaf), jnp.result_type(leaf)) for leaf in leaves), wide)
+
+
+@functools.lru_cache
+def _shapes_of(
+    function: RayFunction, structure: Any, leaves: tuple[tuple[tuple[int, ...], Any], ...], _wide: bool
+) -> Any:
+    """Of one setting of 64-bit numbers."""
+    return jax.eval_shape(function, *structure.unflatten([jax.ShapeDtypeStruct(*leaf) for leaf in leaves]))
 
 
 @functools.cache
@@ -107,6 +139,14 @@ def _map_blocks(function: RayFunction, size: int, parameters: Any, rays: Any) ->
     if count == size:
         return function(parameters, rays)
     shapes = jax.eval_shape(function, parameters, cut(rays, 0, size))
+    nothing = jax.tree.map(lambda s: jnp.zeros((*s.shape[:-1], count), s.dtype), shapes)
+    return _fill_blocks(function, size, parameters, (rays, nothing))
+
+
+def _fill_blocks(function: RayFunction, size: int, parameters: Any, rays_and_results: Any) -> Any:
+    """As `_map_blocks`, into results that are there."""
+    rays, results = rays_and_results
+    count = ray_count(rays)
 
     def step(i: jax.Array, results: Any) -> Any:
         start = jnp.minimum(i * size, count - size)
@@ -115,8 +155,7 @@ def _map_blocks(function: RayFunction, size: int, parameters: Any, rays: Any) ->
             lambda whole, part: lax.dynamic_update_slice_in_dim(whole, part, start, -1), results, values
         )
 
-    nothing = jax.tree.map(lambda s: jnp.zeros((*s.shape[:-1], count), s.dtype), shapes)
-    return lax.fori_loop(0, -(-count // size), step, nothing)
+    return lax.fori_loop(0, -(-count // size), step, results)
 
 
 def is_shared(parameters: Any, rays: Any) -> bool:
@@ -134,10 +173,6 @@ def cut(rays: Any, start: Any, size: int) -> Any:
     if isinstance(start, int):
         return jax.tree.map(lambda a: a[start : start + size], rays)
     return jax.tree.map(lambda a: lax.dynamic_slice_in_dim(a, start, size), rays)
-
-
-def _put(whole: np.ndarray, start: int, part: np.ndarray) -> None:
-    whole[..., start : start + part.shape[-1]] = part
 
 
 def _aligned(shape: tuple[int, ...], dtype: Any) -> np.ndarray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from lenstrace.analysis.layout import Layout
-from lenstrace.analysis.spots import Spots
+from lenstrace.analysis.spot_figures import Spots
 from lenstrace.plotting.layout import figure_size, layout_figure, plot_layout
 from lenstrace.plotting.spots import plot_spots, spot_axes, spots_size
 from lenstrace.sequential.lens import Lens

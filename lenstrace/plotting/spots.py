@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lenstrace.analysis.spots import Spots
+from lenstrace.analysis.spot_figures import Spots
 from lenstrace.plotting.layout import colours, field_text
 from lenstrace.sequential.lens import Lens
 

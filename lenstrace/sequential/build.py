@@ -19,6 +19,9 @@ from lenstrace.sequential.document import DEGREE, Document
 from lenstrace.sequential.rows import Row
 from lenstrace.sequential.system import Kind, Placement, System
 
+# Of norm radii, mm: their 15th powers stay finite, in either direction.
+LARGEST_EXPONENT = 60
+
 
 def build_system(lens: Document) -> System:
     """The system of a lens. In numpy, unless JAX traces one of the numbers.
@@ -37,11 +40,14 @@ def build_system(lens: Document) -> System:
             )
     # one list of powers for all aspheres, so that they are one kind whatever terms they have
     powers = tuple(sorted({power for row in rows for power in row.powers}))
+    terms = _table([[row.asphere.get(power, 0.0) for power in powers] for row in rows])
+    exponent = _norm_exponents(terms, powers)
     openings = [*map(lens.opening, lens.rows), (lens.image.aperture_kind, lens.image.aperture)]
     return System(
         curvature=_stack(row.curvature for row in rows),
         conic=_stack(row.conic for row in rows),
-        coefficients=_table([[row.asphere.get(power, 0.0) for power in powers] for row in rows]),
+        coefficients=terms * _power_of_two(exponent[:, None] * (np.array(powers, int) - 1)),
+        norm_radius=_power_of_two(exponent),
         thickness=_stack(row.thickness for row in lens.rows),
         index=index,
         decenter=_table([row.decenter or (0.0, 0.0) for row in rows]),
@@ -92,6 +98,25 @@ def _indices(media: list[tuple[str, Medium]], wavelengths: Sequence[float]) -> A
             got = float(known[id(medium)][0])
             raise MediumError(f"{where}: the index of {medium.name} must be finite and not 0, got {got:g}")
     return _table([[known[id(medium)][w] for _, medium in media] for w in range(len(wavelengths))])
+
+
+def _norm_exponents(terms: Any, powers: tuple[int, ...]) -> Any:
+    """(K,) of int, e where the terms (K, T) of an asphere are taken in r / 2^e: the smallest radius at which one of its
+    terms above the first power has a sag as large as it; 0 where there are none. Nothing is differentiated through it.
+    """
+    xp = jnp if is_traced(terms) else np
+    terms = jax.lax.stop_gradient(terms) if is_traced(terms) else terms
+    above = np.array(powers, int) > 1
+    counted = above & (terms != 0)
+    logarithm = xp.log2(xp.abs(xp.where(counted, terms, 1.0))) / np.where(above, 1.0 - np.array(powers, int), 1.0)
+    least = xp.min(xp.where(counted, logarithm, np.inf), -1, initial=np.inf)
+    least = xp.where(xp.isfinite(least), least, 0.0)
+    return xp.clip(xp.round(least), -LARGEST_EXPONENT, LARGEST_EXPONENT).astype(int)
+
+
+def _power_of_two(exponent: Any) -> Any:
+    """2^exponent, exactly."""
+    return jnp.ldexp(jnp.ones(exponent.shape), exponent) if is_traced(exponent) else np.ldexp(1.0, exponent)
 
 
 def _kind(

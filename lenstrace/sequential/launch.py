@@ -144,12 +144,14 @@ def _through(front: Front, field: tuple[jax.Array, jax.Array], pupil: tuple[jax.
         return _ray(target, field_direction(front, field))
     start = object_point(front, field)
     towards = _forward(normalize(_minus(target, start)))
+    # from the end of the line that is nearer to the first vertex: from the other one digits would be lost
+    nearer = jnp.abs(start[2]) < jnp.abs(target[2])
     if system.aperture_kind != "object_na":
-        return _ray(target, towards)
+        return _ray(_choose(nearer, start, target), towards)
     slope = paraxial.marginal_slope(system)
     parallel = normalize((px * slope, py * slope, jnp.ones_like(px)))
     direction = _choose(far, parallel, towards)
-    return _ray(_choose(far, start, target), direction)
+    return _ray(_choose(far | nearer, start, target), direction)
 
 
 def _shifted(front: Front, field: tuple[jax.Array, jax.Array], shift: tuple[jax.Array, jax.Array]) -> Ray:

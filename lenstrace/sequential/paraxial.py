@@ -127,13 +127,9 @@ def matrix(system: System, first: int, last: int, *, bend_last: bool = True) -> 
 
 def effective_curvature(system: System) -> jax.Array:
     """Curvature at the vertex, asphere r^2 terms included, (K,), 1/mm."""
-    quadratic = [
-        2 * system.coefficients[i, kind.powers.index(2)] if 2 in kind.powers else 0.0
-        for i, kind in enumerate(system.kinds)
-    ]
     if not any(2 in kind.powers for kind in system.kinds):
         return jnp.asarray(system.curvature)
-    return system.curvature + jnp.stack([jnp.asarray(q, system.curvature.dtype) for q in quadratic])
+    return system.curvature + 2 * system.term(2)
 
 
 def first_order(system: System) -> FirstOrder:

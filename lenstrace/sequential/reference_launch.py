@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from lenstrace.sequential.lens import Lens
-from lenstrace.sequential.reference import GUARD_DIGITS, Number, Vector, indices_of, mp, unit, vector
+from lenstrace.sequential.reference import GUARD_DIGITS
+from lenstrace.sequential.reference_surface import Number, Vector, indices_of, mp, unit, vector
 
 
 def reference_launch(
@@ -35,6 +36,13 @@ def reference_launch(
                 direction = radius * edge + vector(0, 0, position) - start
             direction = unit(direction * mp.sign(direction[2]))
         return start - start[2] / direction[2] * direction, direction
+
+
+def reference_focal_length(lens: Lens, wavelength_place: int | None = None, digits: int = 50) -> Number:
+    """-y / u' of a paraxial ray that enters parallel to the axis, mm; inf where it leaves so."""
+    with mp.workdps(digits + GUARD_DIGITS):
+        slope = _paraxial(lens, indices_of(lens, wavelength_place), mp.one, mp.zero)[1][-1]
+        return -1 / slope if slope else mp.inf
 
 
 def _first_order(lens: Lens, distance: Number) -> tuple[Number, Number, Number, Number]:

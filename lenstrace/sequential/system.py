@@ -7,6 +7,7 @@ import enum
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 
 from lenstrace.compute.pytree import pytree, static
@@ -28,6 +29,7 @@ class Kind:
 
     powers: powers of r of its asphere terms, empty for a conic.
     turned: its tilt turns the axis by more than 90 degrees, so that light crosses it the other way.
+    newton_steps: of an asphere, see `Asphere`.
     """
 
     powers: tuple[int, ...] = ()
@@ -35,6 +37,7 @@ class Kind:
     aperture: ApertureKind = ApertureKind.NONE
     placement: Placement = Placement.CENTRED
     turned: bool = False
+    newton_steps: int | None = None
 
 
 @pytree
@@ -42,7 +45,9 @@ class System:
     """S surfaces and the image as number S + 1, K = S + 1 in all; W wavelengths; F fields.
 
     curvature:        (K,), 1/mm.              conic: (K,).
-    coefficients:     (K, T), asphere terms, mm^(1 - p), for the T powers p that the aspheres of the lens have.
+    coefficients:     (K, T), asphere terms a_p r_norm^(p - 1), pure numbers, for the T powers p that the aspheres of
+                      the lens have; see `term`.
+    norm_radius:      (K,), r_norm, mm, a power of two about as large as r is where the series matters.
     thickness:        (S,), mm, signed along z, from this vertex to the next.
     index:            (W, S + 1) relative to air, of the object space and after each surface; (S + 1,) once a
                       wavelength is chosen with `at`.
@@ -60,6 +65,7 @@ class System:
     curvature: jax.Array
     conic: jax.Array
     coefficients: jax.Array
+    norm_radius: jax.Array
     thickness: jax.Array
     index: jax.Array
     decenter: jax.Array
@@ -118,6 +124,18 @@ class System:
     def without_apertures(self) -> System:
         """The same surfaces, nothing stopped: what rays are aimed through."""
         return self.replace(kinds=tuple(dataclasses.replace(kind, aperture=ApertureKind.NONE) for kind in self.kinds))
+
+    def with_newton_steps(self, steps: int | None) -> System:
+        """The same surfaces, their aspheres met by at most so many of Newton's steps, and taken as they then are; None:
+        by as many as it takes."""
+        return self.replace(kinds=tuple(dataclasses.replace(kind, newton_steps=steps) for kind in self.kinds))
+
+    def term(self, power: int) -> jax.Array:
+        """(K,), the coefficient a_p of r^p, mm^(1 - p), in the sag of each surface; 0 where it has none."""
+        powers = max((kind.powers for kind in self.kinds), key=len)
+        if power not in powers:
+            return jnp.zeros_like(self.curvature)
+        return self.coefficients[:, powers.index(power)] * jnp.asarray(self.norm_radius) ** (1 - power)
 
     def replace(self, **changes: Any) -> System:
         """A copy with some fields changed."""

@@ -39,6 +39,7 @@ class Record(NamedTuple):
     curvature: Any
     conic: Any
     coefficients: Any
+    norm_radius: Any
     index_before: Any
     index_after: Any
     side: Any
@@ -107,13 +108,16 @@ def cross(ray: Ray, record: Record, kind: Kind, forward: jax.Array) -> tuple[Ray
     ray = _replace_z(ray, ray.z - record.gap)
     pose = Pose(record.decenter, record.tilt)
     centred = kind.placement is Placement.CENTRED
+    ahead = jnp.zeros((), ray.z.dtype)
     if not centred:
+        # near the vertex first: turning a point far away would round it across the ray, not along it
+        ray, ahead = _nearest(ray, record.decenter)
         ray = _moved(ray, pose.local_point, pose.local_direction)
 
     point = (ray.x, ray.y, ray.z)
     direction = (ray.l, ray.m, ray.n)
     shape = (
-        Asphere(record.curvature, record.conic, record.coefficients, kind.powers)
+        Asphere(record.curvature, record.conic, record.coefficients, record.norm_radius, kind.powers, kind.newton_steps)
         if kind.powers
         else Conic(record.curvature, record.conic)
     )
@@ -144,7 +148,7 @@ def cross(ray: Ray, record: Record, kind: Kind, forward: jax.Array) -> tuple[Ray
         step = after * record.index_after - before * record.index_before
         bent = _replace_opl(bent, ray.opl + record.index_before * distance * slant - step * z)
         return bent, bent
-    arrived = ray.opl + record.index_before * (distance - before * (record.gap - z_before))
+    arrived = ray.opl + record.index_before * (distance + ahead - before * (record.gap - z_before))
     bent = _replace_opl(bent, arrived - after * record.index_after * z)
     if kind.placement is Placement.BREAK:
         return bent, bent
@@ -164,6 +168,7 @@ def _records(system: System, last: int) -> Record:
         curvature=system.curvature[:last],
         conic=system.conic[:last],
         coefficients=system.coefficients[:last],
+        norm_radius=system.norm_radius[:last],
         index_before=index[:last],
         index_after=index[1 : last + 1],
         side=np.array(system.sides, dtype)[:last],
@@ -193,6 +198,13 @@ def _replace_opl(ray: Ray, opl: jax.Array) -> Ray:
 
 def _replace_z(ray: Ray, z: jax.Array) -> Ray:
     return Ray(ray.x, ray.y, z, ray.l, ray.m, ray.n, ray.failure, ray.opl)
+
+
+def _nearest(ray: Ray, decenter: jax.Array) -> tuple[Ray, jax.Array]:
+    """The ray from its point nearest to a vertex shifted across the axis, and how far along it that is, mm."""
+    t = -((ray.x - decenter[0]) * ray.l + (ray.y - decenter[1]) * ray.m + ray.z * ray.n)
+    x, y, z = ray.x + t * ray.l, ray.y + t * ray.m, ray.z + t * ray.n
+    return Ray(x, y, z, ray.l, ray.m, ray.n, ray.failure, ray.opl), t
 
 
 def _moved(ray: Ray, point: Any, direction: Any) -> Ray:

@@ -7,7 +7,7 @@ from numpy.testing import assert_allclose
 
 import lenstrace
 from lenstrace import Lens, RayStatus
-from lenstrace.analysis.spots import loss_text
+from lenstrace.analysis.spot_figures import loss_text
 
 
 def defocused(weights: list[float], **more: object) -> Lens:

@@ -66,7 +66,7 @@ def test_a_spot_inside_loses_few_rays() -> None:
     whole = lenstrace.spots(lens)
     inside = lenstrace.spots(lens, vignetting=lenstrace.vignetting(lens))
     # rays on the rim itself arrive, though rounded; of the others those beyond the other circle are lost
-    x, y = pupil_points("hexapolar", 6)
+    x, y, _ = pupil_points("hexapolar", 6)
     assert [int(lost) for lost in whole.lost[:, 0]] == [0, (np.hypot(x, y - 4 * TILT) > 1).sum()]
     # an ellipse reaches a little beyond two circles that overlap
     x, y = math.sqrt(1 - (2 * TILT) ** 2) * x, (1 - 2 * TILT) * y

@@ -18,8 +18,9 @@ from lenstrace.analysis.image_rays import image_rays
 from lenstrace.analysis.path_difference import Sphere, differences
 from lenstrace.analysis.wavefront import wavefront, zernike_coefficients
 from lenstrace.compute.compiled import compiled
-from lenstrace.sequential.reference import indices_of, reference_trace
+from lenstrace.sequential.reference import reference_trace
 from lenstrace.sequential.reference_launch import reference_launch
+from lenstrace.sequential.reference_surface import indices_of
 from lenstrace.sequential.sampling import pupil_points
 
 mp: Any = mpmath.mp
@@ -80,7 +81,7 @@ def doublet(thickness: float = 3.0) -> Lens:
 
 def rms(lens: Lens, part: float = 1.0) -> float:
     """The largest RMS path difference of a lens's fields, waves, over a part of the radius of the pupil."""
-    x, y = pupil_points("hexapolar", 4)
+    x, y, _ = pupil_points("hexapolar", 4)
     return float(opd(lens, part * x, part * y).std(-1).max())
 
 
@@ -172,7 +173,7 @@ def test_path_differences_against_optiland(name: str, designs: dict[str, Lens]) 
 
 
 def test_path_differences_against_batoid(designs: dict[str, Lens]) -> None:
-    batoid = pytest.importorskip("batoid", reason="batoid is not installed: pip install lenstrace[compare]")
+    batoid = pytest.importorskip("batoid", reason="batoid is not installed: pip install lenstrace[bench]")
     lens = designs["double_gauss"]
     items, z, index = [], 0.0, [float(n) for n in lens.system.index[1]]
     for number, row in enumerate(lens, 1):

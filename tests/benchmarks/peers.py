@@ -1,4 +1,4 @@
-"""The same double Gauss in batoid and in Optiland, which are imported when they are asked for.
+"""The same double Gauss in batoid, Optiland and rayoptics, which are imported when they are asked for.
 
 Read from the file without lenstrace, so that a fresh process that asks a peer loads the peer alone.
 """
@@ -15,8 +15,10 @@ from typing import Any
 import numpy as np
 
 FILE = Path(__file__).parents[2] / "designs" / "double_gauss.toml"
-INSTALL = 'pip install -e ".[compare]"'
+INSTALL = 'pip install -e ".[bench]"'
 ENTRANCE_PUPIL = 57.912  # mm from the first vertex
+OBJECT = 1.0  # mm, of rayoptics' object plane before the first vertex
+TURN = 2.4  # radians from one point of a pupil to the next: nearly the golden angle
 Numbers = tuple[np.ndarray, ...]
 
 
@@ -50,10 +52,17 @@ def batoid_rays(points: Numbers, directions: Numbers) -> Any:
     return batoid.RayVector(*points, *directions)
 
 
-def optiland_double_gauss() -> Any:
-    """Three fields, three wavelengths; its indices are those of the file, found without a search of a catalogue."""
+def optiland_double_gauss(backend: str = "numpy", precision: str = "float64") -> Any:
+    """Three fields, three wavelengths; its indices are those of the file, found without a search of a catalogue.
+
+    backend: numpy or torch. It is a setting of the whole process, numpy except while the lens is made or traced.
+    precision: of torch alone.
+    """
+    import optiland.backend as be
     from optiland.materials import BaseMaterial
     from optiland.optic import Optic
+
+    _set(backend, precision)
 
     class Tabulated(BaseMaterial):
         """Indices n at the wavelengths um; they do not change, so that Optiland may keep what it has looked up."""
@@ -66,7 +75,7 @@ def optiland_double_gauss() -> Any:
             return ()
 
         def _calculate_n(self, wavelength: Any, **_: Any) -> Any:
-            return np.interp(wavelength, self.um, self.table)
+            return be.interp(wavelength, be.array(self.um), be.array(self.table))
 
         def _calculate_k(self, wavelength: Any, **_: Any) -> Any:
             return 0.0 * wavelength
@@ -86,20 +95,39 @@ def optiland_double_gauss() -> Any:
         optic.fields.add(y=y)
     for um in written["wavelengths"]["um"]:
         optic.wavelengths.add(value=um, is_primary=um == written["wavelengths"]["primary"])
+    _set("numpy", precision)
     return optic
 
 
-def optiland_traced(optic: Any, points: Numbers, directions: Numbers) -> Callable[[], Any]:
-    """A call from launch arrays to the rays at the image, which alone are kept."""
+def optiland_traced(
+    optic: Any, points: Numbers, directions: Numbers, backend: str = "numpy", precision: str = "float64"
+) -> Callable[[], Any]:
+    """A call from launch arrays to the rays at the image, which alone are kept. precision: of torch alone."""
     from optiland.rays import RealRays
 
     count = len(points[0])
-    ones, um = np.ones(count), np.full(count, _written()["wavelengths"]["primary"])
+    given = (*points, *directions, np.ones(count), np.full(count, _written()["wavelengths"]["primary"]))
+    if backend == "torch":
+        import torch
+
+        given = tuple(torch.tensor(a, dtype=getattr(torch, precision)) for a in given)
 
     def call() -> Any:
-        return optic.surfaces.trace(RealRays(*points, *directions, ones, um), skip=1, record=False)
+        _set(backend, precision)
+        image = optic.surfaces.trace(RealRays(*given), skip=1, record=False)
+        _set("numpy", precision)
+        return image
 
     return call
+
+
+def _set(backend: str, precision: str) -> None:
+    """What Optiland computes with."""
+    import optiland.backend as be
+
+    be.set_backend(backend)
+    if backend == "torch":
+        be.set_precision(precision)
 
 
 def optiland_spots(optic: Any) -> Any:
@@ -109,18 +137,68 @@ def optiland_spots(optic: Any) -> Any:
     return SpotDiagram(optic, num_rings=6, distribution="hexapolar").rms_spot_radius()
 
 
+def rayoptics_double_gauss() -> Any:
+    """Its sequential model, with an object plane OBJECT mm before the first vertex."""
+    from rayoptics.optical.opticalmodel import OpticalModel
+
+    model = OpticalModel()
+    for row in _written()["lens"]["surfaces"]:
+        index = row["index"]["n"][1] if "index" in row else 1.0
+        model.seq_model.add_surface([1 / row["radius"] if "radius" in row else 0.0, row["thickness"], index])
+    model.seq_model.gaps[0].thi = OBJECT
+    model.update_model()
+    return model.seq_model
+
+
+def rayoptics_traced(model: Any, points: Numbers, directions: Numbers) -> Callable[[], np.ndarray]:
+    """A call that traces the rays one by one, as it does, from the first vertex plane: x, y, z at the image, (N, 3)."""
+    from rayoptics.raytr.raytrace import trace_raw
+
+    nm = model.central_wavelength()  # its indices are constants
+    path = list(model.path(wl=nm))
+    turned = np.stack(directions, -1)
+    start = np.stack(points, -1) - OBJECT * turned / turned[:, 2:]
+    start[:, 2] = 0  # in the frame of the object plane
+
+    def call() -> np.ndarray:
+        return np.array([trace_raw(iter(path), point, d, nm)[0][-1][0] for point, d in zip(start, turned, strict=True)])
+
+    return call
+
+
+def rayoptics_spots() -> np.ndarray:
+    """As `batoid_spots`."""
+    points, directions = _bundles()
+    image = rayoptics_traced(rayoptics_double_gauss(), points, directions)()
+    return np.hypot(image[:, 0].reshape(9, 127).std(1), image[:, 1].reshape(9, 127).std(1))
+
+
 def batoid_spots() -> np.ndarray:
     """RMS spots of nine bundles of 127 rays, all of one wavelength, in one call: as much work as `optiland_spots`."""
     optic = batoid_double_gauss()
-    written = _written()
-    radius = written["aperture"]["entrance_pupil_diameter"] / 2
-    turn, height = np.arange(127) * 2.4, np.sqrt(np.arange(127) / 126) * radius
-    x, y = np.tile([height * np.cos(turn), height * np.sin(turn)], 9)
-    angle = np.deg2rad(np.repeat([0.0, 10.0, 14.0], 3 * 127))
-    y = y - ENTRANCE_PUPIL * np.tan(angle)
-    rays = batoid_rays((x, y, 0 * x), (0 * x, np.sin(angle), np.cos(angle)))
+    rays = batoid_rays(*_bundles())
     optic.trace(rays)
     return np.hypot(rays.x.reshape(9, 127).std(1), rays.y.reshape(9, 127).std(1))
+
+
+def filling(count: int, degrees: float = 10.0) -> tuple[Numbers, Numbers]:
+    """Points and directions of rays of one field all over the pupil, found without lenstrace."""
+    turn, height = np.arange(count) * TURN, np.sqrt((np.arange(count) + 0.5) / count) * _radius()
+    angle = np.deg2rad(degrees)
+    y = height * np.sin(turn) - ENTRANCE_PUPIL * np.tan(angle)
+    x = height * np.cos(turn)
+    return (x, y, 0 * x), (0 * x, 0 * x + np.sin(angle), 0 * x + np.cos(angle))
+
+
+def _bundles() -> tuple[Numbers, Numbers]:
+    """Nine bundles of 127 rays, three of each field."""
+    each = [filling(127, degrees) for degrees in (0.0, 10.0, 14.0) for _ in range(3)]
+    points, directions = (tuple(np.concatenate(a) for a in zip(*part, strict=True)) for part in zip(*each, strict=True))
+    return points, directions
+
+
+def _radius() -> float:
+    return _written()["aperture"]["entrance_pupil_diameter"] / 2
 
 
 def _written() -> dict[str, Any]:

@@ -13,6 +13,12 @@ ROUNDS = 5
 COMPILE_ROUNDS = 3
 COMPILED_RAYS = 100_000
 SPOTS = ["-m", "lenstrace", "spots", "designs/double_gauss.toml"]
+PEER_MEMORY = {
+    "batoid": "batoid_memory",
+    "optiland": "optiland_memory",
+    "optiland torch": "optiland_torch_memory",
+    "rayoptics": "rayoptics_memory",
+}
 FROM_PEERS = "from tests.benchmarks.peers import"
 
 
@@ -29,7 +35,16 @@ def memory() -> Table:
         found = fresh.answer("children", function)
         table.lines.append(Line(f"{what}, {found['rays']:,} rays", found["peak"], "MB", at_most=most))
         table.lines.append(Line("  of which the rays sent and received", found["arrays"], "MB"))
-    table.notes.append("the lens, the compiler and what it compiled are counted in it")
+    for package, function in PEER_MEMORY.items():
+        if missing := peers.absent(*package.split()):
+            table.notes += missing
+            continue
+        found = fresh.answer("peer_memory", function)
+        table.lines.append(Line(f"{package}, trace, float64, {found['rays']:,} rays", found["peak"], "MB"))
+    table.notes.append(
+        "the lens, the compiler and what it compiled are counted in it; a peer: above what its import held"
+    )
+    table.notes.append("rayoptics: as many rays as it traces in a second or two; it keeps what a list of rays takes")
     return table
 
 
@@ -66,12 +81,14 @@ def start() -> Table:
         "lenstrace spots, cache empty": (SPOTS, 2.5),
         "lenstrace spots, cache warm": (SPOTS, 1.5),
     }
-    missing = peers.absent("optiland", "batoid")
+    missing = peers.absent("optiland", "batoid", "rayoptics")
     if not any(line.startswith("optiland") for line in missing):
         code = f"{FROM_PEERS} optiland_double_gauss, optiland_spots; optiland_spots(optiland_double_gauss())"
         asked["Optiland, the same spots"] = (["-c", code], None)
     if not any(line.startswith("batoid") for line in missing):
         asked["batoid, as many rays"] = (["-c", f"{FROM_PEERS} batoid_spots; batoid_spots()"], None)
+    if not any(line.startswith("rayoptics") for line in missing):
+        asked["rayoptics, as many rays"] = (["-c", f"{FROM_PEERS} rayoptics_spots; rayoptics_spots()"], None)
     found: dict[str, list[float]] = {what: [] for what in asked}
     with tempfile.TemporaryDirectory() as kept:
         fresh.seconds(SPOTS, XDG_CACHE_HOME=kept)

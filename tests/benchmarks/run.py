@@ -1,7 +1,8 @@
 """The benchmark: python tests/benchmarks/run.py [SECTION ...] [--json FILE]; all sections without a name.
 
 Every claim is a ratio of medians of calls taken in turn in this one run, warm, compile time apart: times belong to the
-machine, ratios less so. A peer that is not installed is left out: pip install -e ".[compare]".
+machine, ratios less so. A peer that is not installed is left out: pip install -e ".[bench]". The limit is a loop in C,
+left out where there is no compiler.
 """
 
 from __future__ import annotations
@@ -16,13 +17,16 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
+# read when OpenMP is first loaded: its threads are not to spin on while the next call is timed
+os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 
-from tests.benchmarks import diffraction, processes, rates, small
+from tests.benchmarks import diffraction, forward, limit, processes, rates, required, small
 
 SECTIONS = {
-    "forward": rates.forward,
+    "forward": forward.forward,
     "asphere": rates.asphere,
     "gradient": rates.gradient,
+    "required": required.required,
     "small": small.small,
     "diffraction": diffraction.diffraction,
     "memory": processes.memory,
@@ -30,7 +34,7 @@ SECTIONS = {
     "start": processes.start,
     "batch": small.batch,
 }
-PACKAGES = ("lenstrace", "jax", "jaxlib", "numpy", "batoid", "optiland")
+PACKAGES = ("lenstrace", "jax", "jaxlib", "numpy", "batoid", "optiland", "torch", "rayoptics")
 CPU = Path("/proc/cpuinfo")
 
 
@@ -69,7 +73,7 @@ def versions() -> str:
     """Of what is timed, as far as it is installed."""
     known = {each.metadata["Name"].lower(): each.version for each in importlib.metadata.distributions()}
     found = [f"{name} {known[name]}" for name in PACKAGES if name in known]
-    return ", ".join([f"Python {platform.python_version()}", *found])
+    return ", ".join([f"Python {platform.python_version()}", *found, limit.version()])
 
 
 if __name__ == "__main__":

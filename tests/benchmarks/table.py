@@ -56,6 +56,12 @@ class Table:
         low, high = np.percentile(values, [25, 75])
         self.lines.append(Line(what, float(np.median(values)), unit, (float(low), float(high)), at_most))
 
+    def value(
+        self, what: str, number: float, unit: str, *, at_most: float | None = None, at_least: float | None = None
+    ) -> None:
+        """A figure that is no time."""
+        self.lines.append(Line(what, number, unit, None, at_most, at_least))
+
     def compare(
         self,
         what: str,

@@ -21,9 +21,17 @@ SHAPES = {
     "parabola": Conic(jnp.array(1 / 40), jnp.array(-1.0)),
     "hyperbola": Conic(jnp.array(-1 / 25), jnp.array(-3.0)),
     "oblate": Conic(jnp.array(1 / 60), jnp.array(5.0)),
-    "asphere": Asphere(jnp.array(1 / 40), jnp.array(-0.5), jnp.array([1e-5, -3e-8, 1e-11]), (4, 6, 8)),
-    "odd": Asphere(jnp.array(1 / 50), jnp.array(0.3), jnp.array([1e-4, 3e-5, -1e-7, 2e-8]), (2, 3, 5, 6)),
-    "flat asphere": Asphere(jnp.array(0.0), jnp.array(0.0), jnp.array([2e-3, 1e-6]), (2, 4)),
+    "asphere": Asphere(
+        jnp.array(1 / 40), jnp.array(-0.5), jnp.array([0.04096, -0.031457, 0.002684]), jnp.array(16.0), (4, 6, 8)
+    ),
+    "odd": Asphere(
+        jnp.array(1 / 50),
+        jnp.array(0.3),
+        jnp.array([8e-4, 1.92e-3, -4.096e-4, 6.5536e-4]),
+        jnp.array(8.0),
+        (2, 3, 5, 6),
+    ),
+    "flat asphere": Asphere(jnp.array(0.0), jnp.array(0.0), jnp.array([2e-3, 1e-6]), jnp.array(1.0), (2, 4)),
 }
 
 
@@ -211,7 +219,7 @@ def test_a_field_beyond_a_right_angle_enters_the_front_of_a_dome() -> None:
 
 
 def test_an_asphere_that_nothing_meets_says_so() -> None:
-    steep = Asphere(jnp.array(0.1), jnp.array(0.0), jnp.array([1e-4]), (4,))
+    steep = Asphere(jnp.array(0.1), jnp.array(0.0), jnp.array([1e-4]), jnp.array(1.0), (4,))
     status = int(crossing(steep, [0.0, 10.5, 0.0], [0.0, 0.0, 1.0]).status)  # type: ignore[arg-type]
     assert status == RayStatus.MISSED
 

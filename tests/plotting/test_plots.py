@@ -14,7 +14,8 @@ from matplotlib.figure import Figure
 
 from lenstrace.__main__ import main
 from lenstrace.analysis.layout import Layout, layout
-from lenstrace.analysis.spots import Spots, spots
+from lenstrace.analysis.spot_figures import Spots
+from lenstrace.analysis.spots import spots
 from lenstrace.errors import LensTraceError
 from lenstrace.io.native import load
 from lenstrace.plotting.files import save_figure

@@ -15,7 +15,12 @@ every_notebook = pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: pat
 
 
 def test_there_are_notebooks() -> None:
-    named = {"a_first_lens", "principal_planes_and_newton", "reading_the_aberrations_of_a_lens"}
+    named = {
+        "a_first_lens",
+        "principal_planes_and_newton",
+        "reading_the_aberrations_of_a_lens",
+        "what_does_accuracy_cost",
+    }
     assert named <= {path.stem for path in NOTEBOOKS}
 
 

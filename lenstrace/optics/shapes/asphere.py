@@ -1,4 +1,8 @@
-"""The conic with a power series in r added; even and odd powers."""
+"""The conic with a power series in r added; even and odd powers.
+
+The series is taken in r / r_norm, so that its highest powers overflow in no precision, and a lens scaled by a power of
+two gives the same bits.
+"""
 
 from __future__ import annotations
 
@@ -25,16 +29,21 @@ FARTHEST = 1e3
 
 @pytree
 class Asphere:
-    """z = c r^2 / (1 + sqrt(1 - (1 + k) c^2 r^2)) + sum over p of a_p r^p.
+    """z = c r^2 / (1 + sqrt(1 - (1 + k) c^2 r^2)) + r_norm sum over p of b_p (r / r_norm)^p.
 
-    curvature:     c = 1 / R, 1/mm.          conic: k.
-    coefficients:  (T,), a_p in mm^(1 - p).  powers: T ascending positive integers p, static.
+    curvature:     c = 1 / R, 1/mm.                 conic: k.
+    coefficients:  (T,), b_p = a_p r_norm^(p - 1), pure numbers, for a term a_p r^p.
+    norm_radius:   r_norm, mm.                      powers: T ascending positive integers p, static.
+    newton_steps:  static; None: as many as any ray of a block gains by, at most 12, else NOT_CONVERGED. A number: at
+                   most so many, and the ray is taken as it then is.
     """
 
     curvature: jax.Array
     conic: jax.Array
     coefficients: jax.Array
+    norm_radius: jax.Array
     powers: tuple[int, ...] = static()
+    newton_steps: int | None = static(default=None)
 
     def sag(self, x: jax.Array, y: jax.Array) -> jax.Array:
         """Height above the vertex plane, mm; nan beyond the rim of the conic. x, y: mm, one shape."""
@@ -76,11 +85,12 @@ class Asphere:
         first = jnp.where(use_conic, start.distance, 0.0)
 
         eps = jnp.finfo(x.dtype).eps
+        most = MOST_NEWTON_STEPS if self.newton_steps is None else self.newton_steps
         scale = jnp.abs(x) + jnp.abs(y) + jnp.abs(z)
 
         def unfinished(state: tuple[jax.Array, jax.Array, jax.Array]) -> jax.Array:
             t, last, count = state
-            return jnp.any(jnp.abs(last) > LAST_STEP * eps**0.5 * (scale + jnp.abs(t))) & (count < MOST_NEWTON_STEPS)
+            return jnp.any(jnp.abs(last) > LAST_STEP * eps**0.5 * (scale + jnp.abs(t))) & (count < most)
 
         def advance(state: tuple[jax.Array, jax.Array, jax.Array]) -> tuple[jax.Array, jax.Array, jax.Array]:
             t, _, count = state
@@ -100,18 +110,26 @@ class Asphere:
         normal_squared = normal[0] ** 2 + normal[1] ** 2 + 1
         cosine = side * (normal[0] * l + normal[1] * m + n)
         # beyond the rim there is no surface; a crossing in the wrong sense leaves open whether there is a right one
-        found = jnp.where(converged & (cosine > 0), 0, int(RayStatus.NOT_CONVERGED))
+        if self.newton_steps is None:
+            found = jnp.where(converged & (cosine > 0), 0, int(RayStatus.NOT_CONVERGED))
+        else:
+            found = jnp.where(cosine > 0, 0, int(RayStatus.MISSED))
         status = jnp.where(inside, found, int(RayStatus.MISSED))
         return Crossing(before + t, (x, y, z), normal, normal_squared, jnp.abs(cosine), status)
 
     def _departure(self, r2: jax.Array) -> jax.Array:
-        """sum a_p r^p."""
-        return self._series([self.coefficients[i] for i in range(len(self.powers))], self.powers, r2)
+        """r_norm sum b_p (r / r_norm)^p."""
+        terms = [self.coefficients[i] for i in range(len(self.powers))]
+        return self.norm_radius * self._series(terms, self.powers, self._normalized(r2))
 
     def _departure_slope(self, r2: jax.Array) -> jax.Array:
-        """(1 / r) d/dr of the series: sum p a_p r^(p - 2)."""
+        """(1 / r) d/dr of the series: sum p b_p (r / r_norm)^(p - 2) / r_norm."""
         terms = [p * self.coefficients[i] for i, p in enumerate(self.powers)]
-        return self._series(terms, tuple(p - 2 for p in self.powers), r2)
+        return self._series(terms, tuple(p - 2 for p in self.powers), self._normalized(r2)) * (1 / self.norm_radius)
+
+    def _normalized(self, r2: jax.Array) -> jax.Array:
+        """(r / r_norm)^2; the reciprocal of a power of two is exact, and is taken once for all rays."""
+        return r2 * (1 / (self.norm_radius * self.norm_radius))
 
     @staticmethod
     def _series(terms: list[jax.Array], powers: tuple[int, ...], r2: jax.Array) -> jax.Array:

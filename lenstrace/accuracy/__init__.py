@@ -1,0 +1,1 @@
+"""How exact a number is and what that costs; it knows no lens."""

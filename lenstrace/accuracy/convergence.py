@@ -1,0 +1,93 @@
+"""An answer found twice at every step of a ladder, and how far it may be from the truth.
+
+At each step a question is answered by two rules whose leading errors are of equal size and opposite sign, such as
+Gauss's and Lobatto's quadrature. The answer is their mean; where the truth lies between the two, its error is at most
+half their difference d. Both may happen to err alike. That is unlikely twice in a row: d is not taken to be less than
+KEPT of what the two steps before foretell, d_(i-1) times d_(i-1) / d_(i-2), where d falls quickly; where it does not,
+as for integrands with kinks, not less than d_(i-1) itself. SHARE of it is the estimate; the first step, with nothing
+before it, is trusted less.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, Generic, NamedTuple, TypeVar
+
+import numpy as np
+
+from lenstrace.errors import AccuracyError
+
+SHARE = 0.6
+KEPT = 0.4
+SLOWLY = 0.1
+# What is foretold of the second step, of the first one's difference.
+FIRST_RATIO = 0.075
+
+Found = TypeVar("Found")
+
+
+class Answer(NamedTuple, Generic[Found]):
+    """What a step of the ladder gave.
+
+    found:       whatever belongs to it, given back at the end.
+    value:       numbers that must be accurate, an array.
+    difference:  of the two rules, of each of them, >= 0.
+    """
+
+    found: Found
+    value: np.ndarray
+    difference: np.ndarray
+
+
+class Converged(NamedTuple, Generic[Found]):
+    """The answer at the end of the ladder or before.
+
+    step:     the one that gave it.         found, value: see `Answer`.
+    error:    estimates of |value - truth|.
+    reached:  whether all errors are within the tolerance, or within the floor.
+    """
+
+    step: Any
+    found: Found
+    value: np.ndarray
+    error: np.ndarray
+    reached: bool
+
+
+def converge(
+    question: Callable[[Any], Answer[Found]], ladder: Sequence[Any], tolerance: float, floor: float = 0.0
+) -> Converged[Found]:
+    """The first step of a ladder at which every number is accurate; the last one if none is.
+
+    tolerance:  relative error allowed.        floor: error by rounding, which no step makes less; part of the estimate.
+    AccuracyError for a tolerance that is not positive.
+    """
+    check_tolerance(tolerance)
+    differences: list[np.ndarray] = []
+    step, answer, error = None, None, np.zeros(0)
+    for step in ladder:
+        answer = question(step)
+        error = estimate(differences, answer.difference)
+        differences.append(answer.difference)
+        if np.all(error <= np.maximum(tolerance * np.abs(answer.value), floor)):
+            return Converged(step, answer.found, answer.value, error + floor, reached=True)
+    if answer is None:
+        raise AccuracyError("a ladder needs at least one step")
+    return Converged(step, answer.found, answer.value, error + floor, reached=False)
+
+
+def estimate(before: Sequence[np.ndarray], difference: np.ndarray) -> np.ndarray:
+    """The error of the mean of two rules, from their difference, and from those at the steps before."""
+    if not before:
+        return difference
+    foretold = FIRST_RATIO * KEPT * before[-1]
+    if len(before) > 1:
+        ratio = np.divide(before[-1], before[-2], out=np.ones_like(before[-1]), where=before[-2] > before[-1])
+        foretold = np.where(ratio > SLOWLY, 1.0, KEPT * ratio) * before[-1]
+    return SHARE * np.maximum(difference, foretold)
+
+
+def check_tolerance(tolerance: Any) -> None:
+    """AccuracyError for what is not a positive number."""
+    if isinstance(tolerance, bool) or not isinstance(tolerance, int | float | np.number) or not 0 < tolerance < np.inf:
+        raise AccuracyError(f"tolerance must be a positive number (a relative error), got {tolerance!r}")

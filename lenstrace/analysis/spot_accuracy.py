@@ -1,0 +1,158 @@
+"""Spots as accurate as asked for: the fewest rays that do, and an estimate of the error that is left."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from lenstrace.accuracy.convergence import Answer, check_tolerance, converge
+from lenstrace.analysis.arrivals import Asked, arrivals
+from lenstrace.analysis.conditions import with_image
+from lenstrace.analysis.pupil_rules import RulePair, open_pupil, right_half, whole_pupil
+from lenstrace.analysis.spot_figures import SpotErrors, Spots, figures, place
+from lenstrace.analysis.symmetry import has_apertures, is_mirrored
+from lenstrace.compute.pytree import is_traced
+from lenstrace.errors import AccuracyError, LostRaysError
+from lenstrace.sequential.launch import Front
+from lenstrace.sequential.lens import Lens
+from lenstrace.sequential.system import System
+
+FEWEST = 64
+# Error of an RMS by rounding, in eps of the length of the lens.
+ROUNDING = 0.25
+# Numbers of rings: 4 r^2 and 8 r^2 points lie just below 64, 256, 1024, ..., see `padded`.
+LADDER = (2, 3, 4, 5, 7, 10, 12, 15, 20, 24, 30, 40, 48, 60)
+
+# Rays of a spot: x, y, failure, (W, F, 1 + N), and the pair of rules for the N others.
+Rays = tuple[tuple[np.ndarray, np.ndarray, np.ndarray], RulePair]
+
+
+def accurate_spots(lens: Lens, tolerance: float, ladder: Sequence[int] = LADDER) -> Spots:
+    """The spots of a lens with every RMS about a centroid within a relative error of the integral over the open pupil.
+
+    Rays go to the two rules of `pupil_rules` with the rings of a ladder, more and more, until the rules agree; the
+    figures are of both together. Rounding leaves an error of less than a quarter eps of the length of the lens, which
+    counts as reached. AccuracyError while JAX traces the lens, else as `spots`.
+    """
+    check_tolerance(tolerance)
+    if is_traced(lens):
+        raise AccuracyError(
+            "a tolerance looks at numbers, and JAX is tracing those of the lens; find the rings outside, by "
+            '`spots(lens, tolerance=...).error.rings`, and give pattern="gaussian", rings=... inside'
+        )
+    system, front = with_image(lens, "a spot")
+    asked = _Asked(lens, system, front, mirrored=is_mirrored(lens), cut=has_apertures(system))
+    floor = ROUNDING * float(np.finfo(system.curvature.dtype).eps) * float(np.abs(system.thickness).sum())
+    found = converge(asked.answer, ladder, tolerance, floor)
+    arrived, pair = found.found
+    weight = (pair.first + pair.second) * (pair.first.shape[-1] / 2)
+    result = figures(arrived, weight.astype(system.curvature.dtype), system.weights, system.primary)
+    fields, waves = len(system.fields), len(system.weights)
+    share = np.broadcast_to(pair.first.sum(-1).T, (fields, waves))
+    errors = SpotErrors(
+        rms_centroid=jnp.asarray(found.error[: fields * waves].reshape(fields, waves)),
+        polychromatic=jnp.asarray(found.error[fields * waves :]),
+        open=jnp.asarray(share),
+        tolerance=float(tolerance),
+        reached=found.reached,
+        rings=found.step,
+    )
+    return dataclasses.replace(result, error=errors)
+
+
+@dataclasses.dataclass(frozen=True)
+class _Asked:
+    """A lens, whether it is its own mirror image, and whether apertures may cut its pupil."""
+
+    lens: Lens
+    system: System
+    front: Front
+    mirrored: bool
+    cut: bool
+
+    def answer(self, rings: int) -> Answer[Rays]:
+        """All RMS figures, of every field and wavelength, then of every field."""
+        rays = None if self.cut else self._whole(rings)
+        arrived, pair = rays or self._open(rings)
+        value, difference = _compared(arrived, pair, np.asarray(self.system.weights, float))
+        return Answer((arrived, pair), value, difference)
+
+    def _whole(self, rings: int) -> Rays | None:
+        """Through the whole pupil; None where a ray does not come through."""
+        pair = right_half(whole_pupil(rings)) if self.mirrored else whole_pupil(rings)
+        x, y, failure = self._sent(pair)
+        if failure[..., 1:].any():
+            return None
+        if not self.mirrored:
+            return (x, y, failure), pair
+        x, y, failure = (np.concatenate([a, s * a[..., 1:]], -1) for a, s in ((x, -1), (y, 1), (failure, 1)))
+        return (x, y, failure), RulePair(np.append(pair.x, -pair.x), *(np.append(a, a) for a in pair[1:]))
+
+    def _open(self, rings: int) -> Rays:
+        pair = open_pupil(self.front, self.system.index, self.system.fields, rings)
+        closed = np.argwhere(pair.second.sum(-1) == 0)
+        if len(closed):
+            wave, field = map(int, closed[0])
+            fields = self.lens.fields
+            raise LostRaysError(
+                f"field ({float(fields.x[field]):g}, {float(fields.y[field]):g}) {fields.unit} at "
+                f"{self.lens.wavelengths.um[wave]:g} um: no part of the pupil is open; check the apertures, or reduce "
+                "the field or the pupil"
+            )
+        x, y, failure = self._sent(pair)
+        alive = failure[..., 1:] == 0
+        return (x, y, failure), RulePair(pair.x, pair.y, pair.first * alive, pair.second * alive)
+
+    def _sent(self, pair: RulePair) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        count = pair.x.shape[-1]
+        asked = Asked(self.front, self.system.index, place)
+        sent = arrivals(asked, self.system.fields, *padded(pair.x, pair.y))
+        x, y, failure = (a[..., : 1 + count] for a in jax.device_get(sent))
+        return x, y, failure
+
+
+def padded(*arrays: np.ndarray) -> list[np.ndarray]:
+    """Arrays of N rays, (..., N), made longer with zeros: N is 64, 256, 1024 ..., so that few programs are compiled."""
+    count, size = arrays[0].shape[-1], FEWEST
+    while size < count:
+        size *= 4
+    return [np.pad(a, [(0, 0)] * (a.ndim - 1) + [(0, size - count)]) for a in arrays]
+
+
+def _compared(
+    arrived: tuple[np.ndarray, np.ndarray, np.ndarray], pair: RulePair, weights: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """RMS figures by both rules together, and how far these are apart: the pooled ones of all wavelengths come last.
+
+    The variances along x and y are compared one by one, and of the wavelengths of a field the relative difference that
+    is largest counts for all: two that vanish by chance do not do so together.
+    """
+    x, y = (np.asarray(a[..., 1:], float) for a in arrived[:2])
+    by_rule = [_variances(x, y, rule, weights) for rule in (pair.first, pair.second, pair.first + pair.second)]
+    values, differences = [], []
+    for first, second, both in zip(*by_rule, strict=True):
+        rms = np.sqrt(both.sum(0))
+        apart = np.abs(first - second).sum(0)
+        # of a perfect spot the variances differ by rounding alone
+        relative = np.divide(apart, 2 * rms * rms, out=np.zeros_like(rms), where=rms > 0).max(-1, keepdims=True)
+        values.append(rms.ravel())
+        differences.append((relative * rms).ravel())
+    return np.concatenate(values), np.concatenate(differences)
+
+
+def _variances(x: np.ndarray, y: np.ndarray, rule: np.ndarray, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Along x and y: of each field and wavelength (2, F, W), and of each field, wavelengths pooled, (2, F, 1)."""
+    share = np.broadcast_to(rule, x.shape) / np.asarray(rule.sum(-1))[..., None]
+    places = np.stack([x, y])
+    centres = (share * places).sum(-1)
+    each = (share * (places - centres[..., None]) ** 2).sum(-1)
+    # a field's rays weigh what their part of the pupil is
+    part = weights[:, None] * np.broadcast_to(rule.sum(-1), x.shape[:2] if rule.ndim == 3 else (len(weights), 1))
+    part = part / part.sum(0)
+    middle = (part * centres).sum(1, keepdims=True)
+    pooled = (part * (each + (centres - middle) ** 2)).sum(1)
+    return np.swapaxes(each, 1, 2), pooled[..., None]
