@@ -94,7 +94,7 @@ def gradient() -> Table:
 def _in_c(lens: Lens) -> tuple[Callable[[], float], Callable[[], tuple[float, np.ndarray]]]:
     """Calls for the mean square spot, and for it with its derivatives by the curvatures and by the shift at launch."""
     limited = limit.limit(lens, "float64")
-    pupil = [np.array(a) for a in pupil_points("hexapolar", RINGS)]
+    pupil = [np.array(a) for a in pupil_points("hexapolar", RINGS)[:2]]
     count = pupil[0].size
     entrance, angle = lenstrace.overview(lens).entrance_pupil, np.deg2rad(launched.FIELD)
     shift = -float(entrance.position) * np.tan(angle)

@@ -20,13 +20,14 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 # read when OpenMP is first loaded: its threads are not to spin on while the next call is timed
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 
-from tests.benchmarks import diffraction, forward, limit, processes, rates, required, small
+from tests.benchmarks import diffraction, forward, honesty, limit, processes, rates, required, small
 
 SECTIONS = {
     "forward": forward.forward,
     "asphere": rates.asphere,
     "gradient": rates.gradient,
     "required": required.required,
+    "honesty": honesty.honesty,
     "small": small.small,
     "diffraction": diffraction.diffraction,
     "memory": processes.memory,
