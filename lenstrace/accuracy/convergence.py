@@ -17,7 +17,7 @@ import numpy as np
 
 from lenstrace.errors import AccuracyError
 
-SHARE = 0.6
+SHARE = 0.55
 KEPT = 0.4
 SLOWLY = 0.1
 # What is foretold of the second step, of the first one's difference.

@@ -48,9 +48,9 @@ def test_a_smooth_integrand_takes_the_first_step_that_does() -> None:
 
 def test_a_difference_that_vanishes_by_chance_is_not_believed() -> None:
     falling = [np.array([1e-2]), np.array([1e-3])]
-    assert estimate(falling, np.array([1e-12]))[0] == pytest.approx(0.6 * 0.4 * 1e-4)
-    assert estimate([np.array([2e-3]), np.array([1e-3])], np.array([1e-12]))[0] == pytest.approx(0.6e-3)
-    assert estimate(falling[:1], np.array([1e-12]))[0] == pytest.approx(0.6 * 0.03 * 1e-2)
+    assert estimate(falling, np.array([1e-12]))[0] == pytest.approx(0.55 * 0.4 * 1e-4)
+    assert estimate([np.array([2e-3]), np.array([1e-3])], np.array([1e-12]))[0] == pytest.approx(0.55e-3)
+    assert estimate(falling[:1], np.array([1e-12]))[0] == pytest.approx(0.55 * 0.03 * 1e-2)
     assert estimate([], np.array([1e-12]))[0] == 1e-12
 
 
