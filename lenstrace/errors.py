@@ -8,7 +8,7 @@
     |- RayError              rays that cannot be launched: an un-normalized direction, a field that is not a number
     |- LostRaysError         a question whose rays all fail
     |- ImageError            a question that needs an image, where the image is at infinity
-    `- AccuracyError         an accuracy that cannot be asked for: a tolerance that is not positive
+    `- AccuracyError         a trade or an accuracy that cannot be asked for
 
 A ray that fails inside a trace is data (`RayStatus`), never an exception.
 """
@@ -47,4 +47,4 @@ class ImageError(LensTraceError):
 
 
 class AccuracyError(LensTraceError):
-    """An accuracy that cannot be asked for."""
+    """A trade or an accuracy that cannot be asked for: a tolerance that is not positive, no setting, no design."""

@@ -44,7 +44,8 @@ class Converged(NamedTuple, Generic[Found]):
 
     step:     the one that gave it.         found, value: see `Answer`.
     error:    estimates of |value - truth|.
-    reached:  whether all errors are within the tolerance, or within the floor.
+    reached:  whether all errors are within the tolerance.
+    rounded:  where they are not, whether rounding alone keeps them from it: further steps would not help.
     """
 
     step: Any
@@ -52,28 +53,31 @@ class Converged(NamedTuple, Generic[Found]):
     value: np.ndarray
     error: np.ndarray
     reached: bool
+    rounded: bool
 
 
 def converge(
     question: Callable[[Any], Answer[Found]], ladder: Sequence[Any], tolerance: float, floor: float = 0.0
 ) -> Converged[Found]:
-    """The first step of a ladder at which every number is accurate; the last one if none is.
+    """The first step of a ladder at which every number is accurate, but for rounding; the last one if none is.
 
     tolerance:  relative error allowed.        floor: error by rounding, which no step makes less; part of the estimate.
     AccuracyError for a tolerance that is not positive.
     """
     check_tolerance(tolerance)
     differences: list[np.ndarray] = []
-    step, answer, error = None, None, np.zeros(0)
+    step, answer, error, rounded = None, None, np.zeros(0), False
     for step in ladder:
         answer = question(step)
         error = estimate(differences, answer.difference)
         differences.append(answer.difference)
-        if np.all(error <= np.maximum(tolerance * np.abs(answer.value), floor)):
-            return Converged(step, answer.found, answer.value, error + floor, reached=True)
+        rounded = bool(np.all(error <= np.maximum(tolerance * np.abs(answer.value) - floor, floor)))
+        if rounded:
+            break
     if answer is None:
         raise AccuracyError("a ladder needs at least one step")
-    return Converged(step, answer.found, answer.value, error + floor, reached=False)
+    reached = bool(np.all(error + floor <= tolerance * np.abs(answer.value)))
+    return Converged(step, answer.found, answer.value, error + floor, reached, rounded and not reached)
 
 
 def estimate(before: Sequence[np.ndarray], difference: np.ndarray) -> np.ndarray:

@@ -26,7 +26,7 @@ class Setting:
     """One way to answer a question.
 
     name:    for a person.                    family: of settings that differ in the number of rays alone.
-    rays:    traced for one answer; samples of any kind.
+    rays:    that one answer is made of; samples of any kind.
     how:     what the question is given.
     """
 
@@ -44,7 +44,7 @@ class Outcome:
     error:           |value - truth|.         relative_error: over |truth|; inf where the truth is 0 and the value not.
     seconds:         median of repeated calls, compiled before.
     first_seconds:   of the first call beyond that: compilation.
-    pareto:          no other setting is both faster and more accurate.
+    pareto:          no other setting is as fast and more accurate, or as accurate and faster.
     """
 
     setting: Setting

@@ -38,22 +38,22 @@ class Linear(NamedTuple):
     chief: Any
 
 
-def predicted_spot(lens: Lens, *, third_order: bool) -> float:
+def predicted_spot(lens: Lens, *, third_order: bool) -> jax.Array:
     """RMS spot about the centroid of the one field of a lens, wavelengths pooled by weight, mm."""
-    x, y, weight = pupil_points("gaussian", RINGS)
+    x, y, weight = _points(lens)
     marginal, chief = linear_rays(lens)
-    ex, ey = _transverse(_sums(lens), x, y) if third_order else (0 * x, 0 * y)
+    ex, ey = _transverse(seidel(lens), x, y) if third_order else (0 * x, 0 * y)
     rays_x, rays_y = marginal[:, None] * x + ex, marginal[:, None] * y + chief[:, None] + ey
-    share = np.asarray(lens.system.weights, float)[:, None] * weight
+    share = jnp.asarray(lens.system.weights)[:, None] * weight
     share = share / share.sum()
-    return float(np.sqrt((share * (rays_x**2 + (rays_y - (share * rays_y).sum()) ** 2)).sum()))
+    return jnp.sqrt((share * (rays_x**2 + (rays_y - (share * rays_y).sum()) ** 2)).sum())
 
 
-def predicted_wavefront(lens: Lens, *, third_order: bool) -> float:
+def predicted_wavefront(lens: Lens, *, third_order: bool) -> jax.Array:
     """RMS of the path difference from the sphere about the chief ray's image point, primary wavelength, in waves."""
-    x, y, weight = pupil_points("gaussian", RINGS)
-    sums = _sums(lens)
+    x, y, weight = _points(lens)
     square = x * x + y * y
+    sums = seidel(lens)
     # W = (1/K) times what a radial error a p adds up to
     wave = sums.image_index * sums.image_slope * linear_rays(lens).marginal[lens.system.primary] / 2 * square
     if third_order:
@@ -61,23 +61,22 @@ def predicted_wavefront(lens: Lens, *, third_order: bool) -> float:
         wave = wave + s.spherical / 8 * square**2 + s.coma / 2 * y * square
         wave = wave + s.astigmatism / 2 * y * y + (s.astigmatism + s.petzval) / 4 * square
     share = weight / weight.sum()
-    return float(np.sqrt(share @ (wave - share @ wave) ** 2) / sums.wavelength)
+    return jnp.sqrt(share @ (wave - share @ wave) ** 2) / sums.wavelength
 
 
-def predicted_chief(lens: Lens, *, third_order: bool) -> float:
+def predicted_chief(lens: Lens, *, third_order: bool) -> jax.Array:
     """Height of the chief ray of the one field of a lens at the image, primary wavelength, mm along its field."""
-    height = float(linear_rays(lens).chief[lens.system.primary])
-    return height + float(_sums(lens).transverse().distortion) if third_order else height
+    height = linear_rays(lens).chief[lens.system.primary]
+    return height + seidel(lens).transverse().distortion if third_order else height
 
 
 def linear_rays(lens: Lens) -> Linear:
     """The paraxial rays of the one field of a lens, brought to the y axis; no ray is aimed."""
     system, front = with_pupil(lens)
-    size = np.hypot(*np.asarray(system.fields[0], float)).astype(system.curvature.dtype)
-    if system.field_kind == "angle":
-        size = np.arctan(np.hypot(*np.tan(np.asarray(system.fields[0], float)))).astype(system.curvature.dtype)
+    field = jnp.asarray(system.fields[0])
+    size = jnp.arctan(jnp.hypot(*jnp.tan(field))) if system.field_kind == "angle" else jnp.hypot(*field)
     front = front._replace(system=front.system.replace(ray_aiming=False))
-    return jax.device_get(_linear(front, system.index, size))
+    return _linear(front, system.index, size)
 
 
 @compiled
@@ -98,8 +97,10 @@ def _linear(front: Front, indices: jax.Array, field: jax.Array) -> Linear:
     return jax.lax.map(at, jnp.asarray(indices))
 
 
-def _sums(lens: Lens) -> Seidel:
-    return jax.tree.map(lambda a: np.asarray(a, float), jax.device_get(seidel(lens)))
+def _points(lens: Lens) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Points of the pupil and their weights, in the precision of the lens."""
+    x, y, weight = (p.astype(lens.system.curvature.dtype) for p in pupil_points("gaussian", RINGS))
+    return x, y, weight
 
 
 def _transverse(sums: Seidel, x: np.ndarray, y: np.ndarray) -> tuple[Any, Any]:

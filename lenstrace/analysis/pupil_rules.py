@@ -70,7 +70,7 @@ def open_pupil(front: Front, index: Any, fields: Any, rings: int) -> RulePair:
     turns = spoke_turns(SPOKES * rings)
     both = np.concatenate([turns, turns + 0.5 / len(turns)])
     found = [_edges_along(front, index, fields, some) for some in np.split(both, range(AT_ONCE, len(both), AT_ONCE))]
-    alive, edges = (np.concatenate(each, 2) for each in zip(*found, strict=True))
+    alive, edges = (np.concatenate(some, 2) for some in zip(*found, strict=True))
     parts = _parts(alive, edges)
     halves = []
     for (radius, share), angle, part in zip(
@@ -83,12 +83,12 @@ def open_pupil(front: Front, index: Any, fields: Any, rings: int) -> RulePair:
         spoke = angle[:, None, None]
         halves.append([a.reshape(*parts.shape[:2], -1) for a in (r * _cos(spoke), r * _sin(spoke), weight)])
     (x, y, first), (more_x, more_y, second) = halves
-    return RulePair(
-        np.concatenate([x, more_x], -1),
-        np.concatenate([y, more_y], -1),
-        np.concatenate([first, 0 * second], -1),
-        np.concatenate([0 * first, second], -1),
-    )
+    x, y = np.concatenate([x, more_x], -1), np.concatenate([y, more_y], -1)
+    first, second = np.concatenate([first, 0 * second], -1), np.concatenate([0 * first, second], -1)
+    # the points of empty parts weigh nothing; they are put where the pupil is open, so that no ray of theirs is lost
+    open_place = (first + second).argmax(-1)[..., None]
+    x, y = (np.where(first + second > 0, a, np.take_along_axis(a, open_place, -1)) for a in (x, y))
+    return RulePair(x, y, first, second)
 
 
 def _edges_along(front: Front, index: Any, fields: Any, turns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -28,8 +28,8 @@ from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.sampling import PupilPoints
 
 # Relative error of the truth that is tried for, and the rings that may be taken: 1e-10 is reached by aspheres of odd
-# powers too, 1e-13 by all others.
-TRUE = 1e-13
+# powers too, 1e-13 by all others. Rays that are aimed take too long for more than 1e-10.
+TRUE, TRUE_AIMED = 1e-13, 1e-10
 TRUE_LADDER = (*LADDER, 90, 120)
 
 
@@ -69,7 +69,7 @@ def opd_settings(lens: Lens) -> list[Setting]:
 
 def spot_truth(lens: Lens) -> tuple[float, float, float]:
     """The RMS spot, how far it may be off, and the rounding of float64; mm."""
-    found = jax.device_get(accurate_spots(lens.astype("float64"), TRUE, TRUE_LADDER))
+    found = jax.device_get(accurate_spots(lens.astype("float64"), _true(lens), TRUE_LADDER))
     value, error = float(found.polychromatic.rms_centroid[0]), float(found.error.polychromatic[0])
     return value, error, float(np.finfo(float).eps * np.abs(lens.system.thickness).sum())
 
@@ -90,10 +90,14 @@ def opd_truth(lens: Lens) -> tuple[float, float, float]:
         )
         return Answer(None, np.array([np.sqrt(both)]), np.array([abs(first - second) / (2 * np.sqrt(both) or 1)]))
 
-    found = converge(answer, TRUE_LADDER, TRUE)
+    found = converge(answer, TRUE_LADDER, _true(lens))
     # about one eps of the largest path, mm, in waves
     rounding = float(np.finfo(float).eps * np.abs(system.thickness).sum() * 1e3 / lens.wavelengths.um[0])
     return float(found.value[0]), float(found.error[0]) + rounding, rounding
+
+
+def _true(lens: Lens) -> float:
+    return TRUE_AIMED if lens.ray_aiming else TRUE
 
 
 def _paths_through(lens: Lens, pair: RulePair) -> tuple[np.ndarray, np.ndarray]:

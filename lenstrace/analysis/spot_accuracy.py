@@ -35,8 +35,8 @@ def accurate_spots(lens: Lens, tolerance: float, ladder: Sequence[int] = LADDER)
     """The spots of a lens with every RMS about a centroid within a relative error of the integral over the open pupil.
 
     Rays go to the two rules of `pupil_rules` with the rings of a ladder, more and more, until the rules agree; the
-    figures are of both together. Rounding leaves an error of less than a quarter eps of the length of the lens, which
-    counts as reached. AccuracyError while JAX traces the lens, else as `spots`.
+    figures are of both together. Rounding, less than a quarter eps of the length of the lens, is part of the estimates.
+    AccuracyError while JAX traces the lens, else as `spots`.
     """
     check_tolerance(tolerance)
     if is_traced(lens):
@@ -45,27 +45,31 @@ def accurate_spots(lens: Lens, tolerance: float, ladder: Sequence[int] = LADDER)
             '`spots(lens, tolerance=...).error.rings`, and give pattern="gaussian", rings=... inside'
         )
     system, front = with_image(lens, "a spot")
-    asked = _Asked(lens, system, front, mirrored=is_mirrored(lens), cut=has_apertures(system))
-    floor = ROUNDING * float(np.finfo(system.curvature.dtype).eps) * float(np.abs(system.thickness).sum())
+    asked = _Ladder(lens, system, front, mirrored=is_mirrored(lens), cut=has_apertures(system))
+    dtype = system.curvature.dtype
+    floor = ROUNDING * float(np.finfo(dtype).eps) * float(np.abs(system.thickness).sum())
     found = converge(asked.answer, ladder, tolerance, floor)
     arrived, pair = found.found
     weight = (pair.first + pair.second) * (pair.first.shape[-1] / 2)
-    result = figures(arrived, weight.astype(system.curvature.dtype), system.weights, system.primary)
+    result = _figures(arrived, weight.astype(dtype), system)
+    # a larger float32 is still an estimate, a smaller one might not be
+    error = found.error if dtype == np.float64 else np.nextafter(found.error.astype(dtype), np.inf, dtype=dtype)
     fields, waves = len(system.fields), len(system.weights)
-    share = np.broadcast_to(pair.first.sum(-1).T, (fields, waves))
+    share = np.broadcast_to((pair.first + pair.second).sum(-1).T / 2, (fields, waves))
     errors = SpotErrors(
-        rms_centroid=jnp.asarray(found.error[: fields * waves].reshape(fields, waves)),
-        polychromatic=jnp.asarray(found.error[fields * waves :]),
-        open=jnp.asarray(share),
+        rms_centroid=jnp.asarray(error[: fields * waves].reshape(fields, waves)),
+        polychromatic=jnp.asarray(error[fields * waves :]),
+        open=jnp.asarray(share, dtype),
         tolerance=float(tolerance),
         reached=found.reached,
+        rounded=found.rounded,
         rings=found.step,
     )
     return dataclasses.replace(result, error=errors)
 
 
 @dataclasses.dataclass(frozen=True)
-class _Asked:
+class _Ladder:
     """A lens, whether it is its own mirror image, and whether apertures may cut its pupil."""
 
     lens: Lens
@@ -115,12 +119,32 @@ class _Asked:
         return x, y, failure
 
 
+def _figures(arrived: tuple[np.ndarray, np.ndarray, np.ndarray], weight: np.ndarray, system: System) -> Spots:
+    """The figures of N rays; computed with copies of one of them that weigh nothing, for `padded` numbers of rays."""
+    count = arrived[2].shape[-1] - 1
+    size = padded_count(count)
+    weight = np.broadcast_to(weight, (*arrived[2].shape[:2], count))
+    copied = np.broadcast_to(1 + weight.argmax(-1)[..., None], (*weight.shape[:2], size - count))
+    places = np.concatenate([np.broadcast_to(np.arange(1 + count), arrived[2].shape), copied], -1)
+    x, y, failure = (np.take_along_axis(a, places, -1) for a in arrived)
+    longer = np.pad(weight, [(0, 0), (0, 0), (0, size - count)])
+    result = figures((x, y, failure), longer, system.weights, system.primary)
+    rays = {name: getattr(result, name)[..., :count] for name in ("x", "y", "failure")}
+    return dataclasses.replace(result, lost=jnp.sum(rays["failure"] != 0, -1), **rays)
+
+
 def padded(*arrays: np.ndarray) -> list[np.ndarray]:
     """Arrays of N rays, (..., N), made longer with zeros: N is 64, 256, 1024 ..., so that few programs are compiled."""
-    count, size = arrays[0].shape[-1], FEWEST
+    count = arrays[0].shape[-1]
+    return [np.pad(a, [(0, 0)] * (a.ndim - 1) + [(0, padded_count(count) - count)]) for a in arrays]
+
+
+def padded_count(count: int) -> int:
+    """What N becomes."""
+    size = FEWEST
     while size < count:
         size *= 4
-    return [np.pad(a, [(0, 0)] * (a.ndim - 1) + [(0, size - count)]) for a in arrays]
+    return size
 
 
 def _compared(

@@ -33,6 +33,8 @@ class SpotErrors:
     polychromatic:  (F,), of that of `Polychromatic.rms_centroid`.
     open:           (F, W), the part of the pupil that light comes through.
     tolerance:      what was asked for, relative.      reached: whether it was, for all of them.
+    rounded:        where it was not, whether that is by rounding alone, which more rays do not lessen; of a perfect
+                    spot nothing else is left.
     rings:          of the two rules, see `pupil_rules`.
     """
 
@@ -41,6 +43,7 @@ class SpotErrors:
     open: jax.Array
     tolerance: float = static()
     reached: bool = static()
+    rounded: bool = static()
     rings: int = static()
 
 

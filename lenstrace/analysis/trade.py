@@ -81,16 +81,20 @@ def trade(
     """Ask a question about a lens under every sensible setting: precision, model, sampling, Newton's steps, symmetry.
 
     quantity:   "spot", "opd", "chief_height" or "focal_length".
-    field:      y, or (x, y), in the unit of the lens's fields; the largest one by default.
+    field:      y, or (x, y), in the unit of the lens's fields; the largest one by default. Not for a focal length.
     tolerance:  relative error allowed; the fastest setting within it is `trade.chosen`.
     progress:   called with the number of settings asked so far, and of all.
 
-    Every answer is one call from Python, with arrays in memory, compiled before; medians of calls in turn. The truth is
-    the integral over the open pupil, converged to 1e-10, or the judge's ray in 50 digits. Settings that do not apply to
-    the lens are left out. AccuracyError for an unknown quantity or a bad tolerance; else the errors of the question.
+    Every answer is one call from Python, with arrays in memory, compiled before; medians of calls in turn. Rays are
+    counted for each wavelength; so that few programs are compiled, 64, 256, 1024 or 4096 are traced, some for nothing.
+    The truth is the integral over the open pupil, converged to 1e-10, or the judge's ray in 50 digits. Settings that do
+    not apply to the lens are left out. AccuracyError for an unknown quantity, a bad tolerance, or a field where none
+    counts; else the errors of the question.
     """
     if quantity not in QUANTITIES:
         raise AccuracyError(f"unknown quantity {quantity!r}; one of {', '.join(QUANTITIES)}")
+    if quantity == "focal_length" and field is not None:
+        raise AccuracyError("a focal length has no field: it is of rays near the axis; leave the field out")
     question = QUANTITIES[quantity]
     place = _field(lens, field)
     one = lens.replace(fields=Fields((place[0],), (place[1],), lens.fields.kind))

@@ -8,7 +8,7 @@ from typing import Any
 import jax
 import numpy as np
 
-from lenstrace.analysis.spot_figures import Spots, loss_text
+from lenstrace.analysis.spot_figures import SpotErrors, Spots, loss_text
 from lenstrace.analysis.spots import spots
 from lenstrace.analysis.vignetting import Vignetting, vignetting
 from lenstrace.cli.output import add_common, number_text, print_json, print_table
@@ -64,14 +64,20 @@ def run(arguments: argparse.Namespace) -> None:
     print_table(title, *_rows(lens, result))
     print_table("All wavelengths pooled by weight", *polychromatic_rows(lens, result))
     if result.error is not None:
-        reached = "reached" if result.error.reached else "NOT reached"
-        print(
-            f"tolerance {result.error.tolerance:g}: {reached}; errors are estimates, against the open pupil's integral"
-        )
+        print(f"tolerance {result.error.tolerance:g}: {_reached(result.error)}")
+        print("errors are estimates, against the integral over the open pupil")
     for place, text in _losses(lens, result):
         print(f"lost, {place}: {text}")
     if arguments.plot:
         print(f"wrote {arguments.plot}")
+
+
+def _reached(error: SpotErrors) -> str:
+    if error.reached:
+        return "reached by every spot"
+    if error.rounded:
+        return "NOT reached by every spot: what is left is rounding, which more rays do not lessen"
+    return f"NOT reached by every spot with {error.rings} rings"
 
 
 def spots_keys(lens: Lens, result: Spots) -> dict[str, Any]:
@@ -111,7 +117,7 @@ def spots_keys(lens: Lens, result: Spots) -> dict[str, Any]:
         spot["open"] = result.error.open[divmod(place, waves)]
     for f, spot in enumerate(together):
         spot["rms_centroid_error"] = result.error.polychromatic[f]
-    accuracy = {name: getattr(result.error, name) for name in ("tolerance", "reached", "rings")}
+    accuracy = {name: getattr(result.error, name) for name in ("tolerance", "reached", "rounded", "rings")}
     return {"spots": single, "polychromatic": together, "accuracy": accuracy}
 
 

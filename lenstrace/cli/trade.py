@@ -26,7 +26,7 @@ def add_parser(commands: Any) -> None:
     """Register the command."""
     parser = commands.add_parser("trade", help="accuracy against time under every setting; the extremes")
     parser.add_argument("design", metavar="DESIGN", nargs="?", help="a prescription in TOML")
-    parser.add_argument("--quantity", choices=tuple(QUANTITIES), default="spot", help="what is asked (spot)")
+    parser.add_argument("--quantity", choices=tuple(QUANTITIES), help="what is asked (spot)")
     parser.add_argument(
         "--field", type=float, metavar="Y", help="in the unit of the design's fields (the one farthest from the axis)"
     )
@@ -52,7 +52,7 @@ def run(arguments: argparse.Namespace) -> None:
         check_format(arguments.plot)
     lens = load(arguments.design)
     with _bar("settings") as report:
-        found = trade(lens, arguments.quantity, field=arguments.field, tolerance=arguments.tolerance, progress=report)
+        found = trade(lens, arguments.quantity or "spot", field=arguments.field, tolerance=arguments.tolerance, progress=report)
     title = f"{lens.name or arguments.design}: {found.described(lens.fields.unit)}"
     if arguments.plot:
         save_figure(trade_figure(found, lens.name or arguments.design, lens.fields.unit), arguments.plot)
@@ -132,7 +132,7 @@ def _remarks(found: LensTrade) -> Iterator[str]:
 
 
 def _run_extremes(arguments: argparse.Namespace) -> None:
-    given = [name for name in ("design", "field", "tolerance", "plot") if getattr(arguments, name) is not None]
+    given = [name for name in ("design", "quantity", "field", "tolerance", "plot") if getattr(arguments, name) is not None]
     if given:
         raise AccuracyError(
             f"--extremes goes with --json alone: it has lenses of its own; leave out {', '.join(given)}"

@@ -36,7 +36,7 @@ def test_the_error_is_within_its_estimate(name: str, tolerance: float) -> None:
     error = abs(found.value[0] - truth)
     # where a kink falls between the nodes is chance: then both rules may miss to one side
     assert error <= found.error[0] * (2 if name == "kink" else 1)
-    assert found.reached == (found.error[0] <= tolerance * abs(found.value[0]) + 1e-15)
+    assert found.reached == (found.error[0] <= tolerance * abs(found.value[0]))
     assert not found.reached or error <= tolerance * truth
 
 
@@ -58,6 +58,18 @@ def test_the_last_step_is_given_where_none_does() -> None:
     found = converge(lambda count: pair(np.sqrt, count), LADDER[:3], 1e-12)
     assert not found.reached
     assert found.step == 3
+
+
+def test_rounding_is_part_of_the_error() -> None:
+    function, floor = FUNCTIONS["exponential"][0], 1e-6
+    found = converge(lambda count: pair(function, count), LADDER, 1e-9, floor)
+    assert not found.reached
+    assert found.rounded
+    assert found.step < LADDER[-1]
+    assert found.error[0] >= floor
+    found = converge(lambda count: pair(function, count), LADDER, 1e-5, floor)
+    assert found.reached
+    assert not found.rounded
 
 
 @pytest.mark.parametrize("tolerance", [0, -1e-3, math.nan, math.inf, "1e-3", True])

@@ -111,6 +111,49 @@ def test_float32(designs: dict[str, Lens]) -> None:
     assert (apart < np.asarray(single.error.rms_centroid)).all()
 
 
+def test_a_precision_that_cannot_reach_the_tolerance_says_so(designs: dict[str, Lens]) -> None:
+    lens = designs["hubble"]
+    single, double = (lenstrace.spots(each, tolerance=1e-3) for each in (lens.astype("float32"), lens))
+    assert single.error is not None
+    assert double.error is not None
+    assert double.error.reached
+    assert not single.error.reached
+    assert single.error.rounded
+    estimate = np.asarray(single.error.rms_centroid)
+    assert (estimate / single.rms_centroid > 1e-3).any()
+    assert (np.abs(np.asarray(single.rms_centroid) - np.asarray(double.rms_centroid)) < estimate).all()
+
+
+def test_several_openings_on_a_spoke_lose_no_rays() -> None:
+    rows = [
+        {"thickness": 50.0, "stop": True, "aperture": {"obscuration": 5.0}},
+        {"thickness": 50.0, "aperture": {"obscuration": 3.0}, "decenter": [0.0, 12.0]},
+        {"radius": -200.0, "conic": -1.0, "thickness": -100.0 + DEFOCUS, "mirror": True},
+    ]
+    lens = lenstrace.lens(rows, {"entrance_pupil_diameter": 40.0}, [0.0], [0.55])
+    # the square of `cone` over the disk without the two circles
+    parts = [(0.0, 0.0, 20.0, 1), (0.0, 0.0, 5.0, -1), (0.0, 12.0, 3.0, -1)]
+    square = sum(sign * disk_integral(x, y, r) for x, y, r, sign in parts) / (np.pi * (400 - 34))
+    centre = sum(sign * disk_integral(x, y, r, first=True) for x, y, r, sign in parts) / (np.pi * (400 - 34))
+    truth = np.sqrt(square - centre**2)
+    for tolerance, part in ((1e-2, 0.03), (1e-4, 1e-3)):
+        found = lenstrace.spots(lens, tolerance=tolerance)
+        assert found.error is not None
+        assert not np.asarray(found.lost).any()
+        assert float(found.error.open[0, 0]) == pytest.approx(1 - (5**2 + 3**2) / 400, abs=part)
+        assert abs(float(found.rms_centroid[0, 0]) - truth) < float(found.error.rms_centroid[0, 0])
+
+
+def disk_integral(x: float, y: float, radius: float, *, first: bool = False) -> float:
+    """Over a disk of the pupil, mm: of `cone` squared, or of its component along y."""
+    r, weight = np.polynomial.legendre.leggauss(64)
+    r = np.sqrt((1 + r) / 2)[:, None] * radius
+    turn = 2 * np.pi * np.arange(256) / 256
+    height = np.hypot(x + r * np.cos(turn), y + r * np.sin(turn))
+    value = cone(height) * ((y + r * np.sin(turn)) / height if first else cone(height))
+    return float(np.pi * radius**2 * (weight / 2) @ value.mean(1))
+
+
 def test_what_cannot_be_asked(designs: dict[str, Lens]) -> None:
     lens = designs["cooke_triplet"]
     with pytest.raises(lenstrace.RayError, match="chooses the rays by itself"):

@@ -52,7 +52,7 @@ def test_spots_within_a_tolerance(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["spots", HUBBLE, "--tolerance", "1e-3"]) == 0
     text = capsys.readouterr().out
     assert "two gaussian rules of" in text
-    assert "tolerance 0.001: reached" in text
+    assert "tolerance 0.001: reached by every spot" in text
     assert main(["spots", HUBBLE, "--tolerance", "1e-3", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["accuracy"]["reached"] is True
@@ -66,6 +66,8 @@ def test_spots_within_a_tolerance(capsys: pytest.CaptureFixture[str]) -> None:
     [
         (["trade"], "trade needs a DESIGN"),
         (["trade", GAUSS, "--extremes"], "leave out design"),
+        (["trade", "--extremes", "--quantity", "opd"], "leave out quantity"),
+        (["trade", GAUSS, "--quantity", "focal_length", "--field", "7"], "a focal length has no field"),
         (["trade", GAUSS, "--plot", "trade.gif"], "the suffix must be one of png, pdf, svg, got '.gif'"),
         (["trade", GAUSS, "--quantity", "chief_height", "--tolerance", "0"], "tolerance must be a positive number"),
         (["spots", GAUSS, "--tolerance", "1e-3", "--rings", "3"], "--tolerance chooses the rays by itself"),
