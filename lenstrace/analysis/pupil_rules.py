@@ -16,14 +16,13 @@ import jax.numpy as jnp
 import numpy as np
 from jax import lax
 
+from lenstrace.analysis.pupil_edges import arrival, edges_between
 from lenstrace.compute.blocks import each
-from lenstrace.sequential.launch import Front, launch
+from lenstrace.sequential.launch import Front
 from lenstrace.sequential.sampling import ON_AXIS, SPOKES, radial_rule, rim_rule, spoke_turns
-from lenstrace.sequential.trace import trace
 
 # Steps along a spoke in which an edge of an opening is looked for: what is narrower may be overlooked.
 TRIED = 32
-BISECTIONS = 46
 # Spokes whose edges are looked for by one call.
 AT_ONCE = 64
 # Of the radius: how far inside an opening its outermost rays stay, so that rounding does not lose them.
@@ -109,22 +108,12 @@ def _edges(asked: tuple[Front, jax.Array], lines: tuple[jax.Array, ...]) -> tupl
     field_x, field_y, cosine, sine = lines
 
     def of_wave(index: jax.Array) -> tuple[jax.Array, jax.Array]:
-        def arrives(r: jax.Array) -> jax.Array:
-            start = launch(front, index, (field_x, field_y), (r * cosine, r * sine))
-            return trace(front.system.with_index(index), start).ok
+        arrives = arrival(front, index, (field_x, field_y), (0 * cosine, 0 * sine), (cosine, sine))
 
         def of_step(step: tuple[jax.Array, jax.Array, jax.Array]) -> jax.Array:
             inner, begins, ends = step
-
-            def halve(_: jax.Array, state: tuple[jax.Array, jax.Array]) -> tuple[jax.Array, jax.Array]:
-                low, high = state
-                middle = (low + high) / 2
-                same = arrives(middle) == begins
-                return jnp.where(same, middle, low), jnp.where(same, high, middle)
-
-            steps = jnp.where(jnp.any(begins != ends), BISECTIONS, 0)
-            low, high = lax.fori_loop(0, steps, halve, (0 * cosine + inner, 0 * cosine + inner + 1 / TRIED))
-            return jnp.where(begins, low, high)
+            here = 0 * cosine + inner
+            return edges_between(arrives, here, here + 1 / TRIED, begins, ends)
 
         radii = jnp.linspace(0, 1, TRIED + 1, dtype=cosine.dtype)
         alive = lax.map(lambda r: arrives(r + 0 * cosine), radii)

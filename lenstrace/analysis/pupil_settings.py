@@ -19,11 +19,11 @@ from lenstrace.analysis.path_difference import Sphere, differences
 from lenstrace.analysis.predictions import predicted_spot, predicted_wavefront
 from lenstrace.analysis.pupil_rules import RulePair, open_pupil, whole_pupil
 from lenstrace.analysis.samplings import Sampling, newton_sampling, newton_steps, samplings
-from lenstrace.analysis.spot_accuracy import LADDER, accurate_spots, padded
+from lenstrace.analysis.spot_accuracy import LADDER, accurate_spots
 from lenstrace.analysis.spot_figures import place
 from lenstrace.analysis.symmetry import has_apertures
 from lenstrace.compute.compiled import compiled
-from lenstrace.sequential.document import Wavelengths
+from lenstrace.compute.padding import padded
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.sampling import PupilPoints
 
@@ -172,10 +172,5 @@ def _paths_of(arrived: ImageRays) -> tuple[jax.Array, jax.Array]:
 _paths = compiled(_paths_of)
 
 
-def primary_alone(waves: Wavelengths) -> Wavelengths:
-    """The primary wavelength without the others."""
-    return Wavelengths((1.0,), (waves.um[waves.primary],), 0)
-
-
 def _one_wave(lens: Lens) -> Lens:
-    return lens.replace(wavelengths=primary_alone(lens.wavelengths))
+    return lens.replace(wavelengths=lens.wavelengths.primary_alone)

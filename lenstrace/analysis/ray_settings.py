@@ -16,9 +16,8 @@ from lenstrace.analysis.cardinal import first_order
 from lenstrace.analysis.conditions import conditions_of, with_pupil
 from lenstrace.analysis.model_settings import PRECISIONS, model_settings
 from lenstrace.analysis.predictions import predicted_chief
-from lenstrace.analysis.pupil_settings import primary_alone
 from lenstrace.analysis.rays import trace
-from lenstrace.analysis.samplings import NEWTON_STEPS
+from lenstrace.analysis.samplings import newton_steps
 from lenstrace.analysis.spot_figures import place
 from lenstrace.compute.compiled import COMPILER_OPTIONS
 from lenstrace.optics.rays import Ray, living
@@ -59,11 +58,10 @@ def chief_settings(lens: Lens) -> list[Setting]:
     for precision in PRECISIONS:
         one = lens.astype(precision)
         settings.append(Setting(f"exact, {precision}", "exact", 1, _chief(one)))
-    if any(kind.powers for kind in lens.system.kinds):
-        settings += [
-            Setting(f"exact, Newton steps {steps}, float64", "Newton steps", 1, _chief(lens, steps))
-            for steps in NEWTON_STEPS
-        ]
+    settings += [
+        Setting(f"exact, Newton steps {steps}, float64", "Newton steps", 1, _chief(lens, steps))
+        for steps in newton_steps(lens)
+    ]
     return settings
 
 
@@ -129,7 +127,7 @@ def _parallel(height: Any, lens: Lens) -> Ray:
 
 def _chief(lens: Lens, newton_steps: int | None = None) -> Callable[[], Any]:
     """The exact chief ray; newton_steps: at most, None as many as it takes."""
-    one = lens.replace(wavelengths=primary_alone(lens.wavelengths))
+    one = lens.replace(wavelengths=lens.wavelengths.primary_alone)
     system, front = with_pupil(one)
     if newton_steps is not None:
         front = front._replace(system=front.system.with_newton_steps(newton_steps))

@@ -15,13 +15,13 @@ from lenstrace.analysis.conditions import with_image
 from lenstrace.analysis.pupil_rules import RulePair, open_pupil, right_half, whole_pupil
 from lenstrace.analysis.spot_figures import SpotErrors, Spots, figures, place
 from lenstrace.analysis.symmetry import has_apertures, is_mirrored
+from lenstrace.compute.padding import padded, padded_count
 from lenstrace.compute.pytree import is_traced
 from lenstrace.errors import AccuracyError, LostRaysError
 from lenstrace.sequential.launch import Front
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.system import System
 
-FEWEST = 64
 # Error of an RMS by rounding, in eps of the length of the lens.
 ROUNDING = 0.25
 # Numbers of rings: 4 r^2 and 8 r^2 points lie just below 64, 256, 1024, ..., see `padded`.
@@ -131,20 +131,6 @@ def _figures(arrived: tuple[np.ndarray, np.ndarray, np.ndarray], weight: np.ndar
     result = figures((x, y, failure), longer, system.weights, system.primary)
     rays = {name: getattr(result, name)[..., :count] for name in ("x", "y", "failure")}
     return dataclasses.replace(result, lost=jnp.sum(rays["failure"] != 0, -1), **rays)
-
-
-def padded(*arrays: np.ndarray) -> list[np.ndarray]:
-    """Arrays of N rays, (..., N), made longer with zeros: N is 64, 256, 1024 ..., so that few programs are compiled."""
-    count = arrays[0].shape[-1]
-    return [np.pad(a, [(0, 0)] * (a.ndim - 1) + [(0, padded_count(count) - count)]) for a in arrays]
-
-
-def padded_count(count: int) -> int:
-    """What N becomes."""
-    size = FEWEST
-    while size < count:
-        size *= 4
-    return size
 
 
 def _compared(

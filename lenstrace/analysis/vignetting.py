@@ -10,16 +10,15 @@ import numpy as np
 from jax import lax
 
 from lenstrace.analysis.conditions import with_pupil
+from lenstrace.analysis.pupil_edges import arrival, edges_between
 from lenstrace.compute.blocks import each
 from lenstrace.compute.pytree import is_traced, pytree
 from lenstrace.errors import LostRaysError
-from lenstrace.sequential.launch import Front, launch
+from lenstrace.sequential.launch import Front
 from lenstrace.sequential.lens import Lens
-from lenstrace.sequential.trace import trace
 
 # Rays from edge to edge of the pupil, tried from the outside: what is narrower than a step may be overlooked.
 TRIED = 64
-BISECTIONS = 50
 
 
 @pytree
@@ -96,10 +95,7 @@ def _edge(asked: tuple[Front, jax.Array], lines: tuple[jax.Array, ...]) -> jax.A
     there is none. lines: field x and y, x, y, dx, dy."""
     front, index = asked
     field_x, field_y, x, y, dx, dy = lines
-
-    def arrives(t: jax.Array) -> jax.Array:
-        start = launch(front, index, (field_x, field_y), (x + t * dx, y + t * dy))
-        return trace(front.system.with_index(index), start).ok
+    arrives = arrival(front, index, (field_x, field_y), (x, y), (dx, dy))
 
     def outside_in(k: jax.Array, state: tuple[jax.Array, jax.Array]) -> tuple[jax.Array, jax.Array]:
         inner, outer = state
@@ -107,14 +103,8 @@ def _edge(asked: tuple[Front, jax.Array], lines: tuple[jax.Array, ...]) -> jax.A
         sought, good = jnp.isnan(inner), arrives(t)
         return jnp.where(sought & good, t, inner), jnp.where(sought & ~good, t, outer)
 
-    def halved(_: jax.Array, state: tuple[jax.Array, jax.Array]) -> tuple[jax.Array, jax.Array]:
-        inner, outer = state
-        t = (inner + outer) / 2
-        good = arrives(t)
-        return jnp.where(good, t, inner), jnp.where(good, outer, t)
-
-    start = lax.fori_loop(0, TRIED + 1, outside_in, (jnp.full_like(x, jnp.nan), jnp.ones_like(x)))
-    return lax.fori_loop(0, BISECTIONS, halved, start)[0]
+    inner, outer = lax.fori_loop(0, TRIED + 1, outside_in, (jnp.full_like(x, jnp.nan), jnp.ones_like(x)))
+    return edges_between(arrives, inner, outer, True, inner == outer)
 
 
 def _check(lens: Lens, edge: np.ndarray) -> None:

@@ -52,7 +52,9 @@ def run(arguments: argparse.Namespace) -> None:
         check_format(arguments.plot)
     lens = load(arguments.design)
     with _bar("settings") as report:
-        found = trade(lens, arguments.quantity or "spot", field=arguments.field, tolerance=arguments.tolerance, progress=report)
+        found = trade(
+            lens, arguments.quantity or "spot", field=arguments.field, tolerance=arguments.tolerance, progress=report
+        )
     title = f"{lens.name or arguments.design}: {found.described(lens.fields.unit)}"
     if arguments.plot:
         save_figure(trade_figure(found, lens.name or arguments.design, lens.fields.unit), arguments.plot)
@@ -132,7 +134,9 @@ def _remarks(found: LensTrade) -> Iterator[str]:
 
 
 def _run_extremes(arguments: argparse.Namespace) -> None:
-    given = [name for name in ("design", "quantity", "field", "tolerance", "plot") if getattr(arguments, name) is not None]
+    given = [
+        name for name in ("design", "quantity", "field", "tolerance", "plot") if getattr(arguments, name) is not None
+    ]
     if given:
         raise AccuracyError(
             f"--extremes goes with --json alone: it has lenses of its own; leave out {', '.join(given)}"

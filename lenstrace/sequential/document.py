@@ -56,6 +56,11 @@ class Wavelengths:
     um: tuple[float, ...] = static()
     primary: int = static()
 
+    @property
+    def primary_alone(self) -> Wavelengths:
+        """The primary one without the others."""
+        return Wavelengths((1.0,), (self.um[self.primary],), 0)
+
 
 @pytree
 class Document:
