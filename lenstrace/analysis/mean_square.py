@@ -19,6 +19,10 @@ from lenstrace.sequential.sampling import PupilPoints, pupil_points
 from lenstrace.sequential.trace import trace
 
 
+# Rays that tell where the centroid is, to a part of the size of the spot.
+FEW = 64
+
+
 @pytree
 class Imaged:
     """The front of a lens, its fields (F, 2), its index (W, S + 1) and the weights of its wavelengths (W,)."""
@@ -37,13 +41,18 @@ def mean_square_spot(lens: Lens, *, pattern: str = "hexapolar", rings: int = 6) 
     pattern, rings: how the pupil is sampled, see `pupil_points`. ImageError where the image is at infinity.
     """
     system, front = with_image(lens, "a spot")
-    points = jax.tree.map(lambda p: p.astype(system.curvature.dtype), pupil_points(pattern, rings))
+    points = jax.tree.map(lambda p: jnp.asarray(p, system.curvature.dtype), pupil_points(pattern, rings))
     return _mean_square(Imaged(front, *map(jnp.asarray, (system.fields, system.index, system.weights))), points)
 
 
 @jax.custom_jvp
 def _mean_square(lens: Imaged, pupil: PupilPoints) -> jax.Array:
-    return _about(lens, pupil, *_centres(lens, pupil))
+    """In one pass over the rays: of their moments about a place near the centroid, so that no digits cancel."""
+    few = jax.tree.map(lambda p: p[:: 1 + p.shape[0] // FEW], pupil)
+    near = _centres(lens, few)[0]
+    fields, waves = _pairs(lens)
+    moments = total(_moments, lens, (fields, waves, jnp.repeat(near, len(lens.weights), 0)), pupil)
+    return _pooled_moments(moments, lens.weights)
 
 
 def _derivative(primals: Any, tangents: Any) -> Any:
@@ -78,6 +87,13 @@ def _about(lens: Imaged, pupil: Any, centres: jax.Array, rays: jax.Array) -> jax
 
 
 @compiled
+def _pooled_moments(sums: Any, weights: jax.Array) -> jax.Array:
+    weight, x, y, squares = (a.reshape(-1, len(weights)) @ weights for a in sums)
+    each = jnp.where(weight > 0, weight, jnp.nan)
+    return squares / each - (x / each) ** 2 - (y / each) ** 2
+
+
+@compiled
 def _pooled_squares(squares: jax.Array, rays: jax.Array, weights: jax.Array) -> jax.Array:
     weight = rays @ weights
     # nan for a field without rays, but in its own figure alone and not in the derivatives of the others
@@ -94,6 +110,14 @@ def _places(lens: Imaged, case: tuple[jax.Array, jax.Array], pupil: Any) -> tupl
     """Of each ray: its weight where it arrives, else 0, and that times its x and y."""
     x, y, weight = _arriving(lens, *case, pupil)
     return weight, weight * x, weight * y
+
+
+def _moments(lens: Imaged, case: tuple[jax.Array, jax.Array, jax.Array], pupil: Any) -> tuple[jax.Array, ...]:
+    """Of each ray: its weight where it arrives, else 0, and that times x, y and the square of both from a place."""
+    field, wave, place = case
+    x, y, weight = _arriving(lens, field, wave, pupil)
+    x, y = x - place[0], y - place[1]
+    return weight, weight * x, weight * y, weight * (x * x + y * y)
 
 
 def _squares(lens: Imaged, case: tuple[jax.Array, jax.Array, jax.Array], pupil: Any) -> jax.Array:

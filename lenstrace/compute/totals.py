@@ -47,7 +47,7 @@ def moving(primal: Any, tangent: Any) -> tuple[tuple[Any, ...], tuple[Any, ...],
 def _total(function: Callable[..., Any]) -> Callable[..., Any]:
     @jax.jit
     def sums(parameters: Any, case: Any, rays: Any, counted: jax.Array) -> Any:
-        return jax.tree.map(lambda a: jnp.sum(jnp.where(counted, a, 0), -1), function(parameters, case, rays))
+        return jax.tree.map(lambda a: jnp.where(counted, a, 0), function(parameters, case, rays))
 
     @functools.partial(jax.jit, static_argnums=0)
     def sums_and_slopes(which: tuple[int, ...], parameters: Any, case: Any, rays: Any, counted: jax.Array) -> Any:
@@ -62,7 +62,7 @@ def _total(function: Callable[..., Any]) -> Callable[..., Any]:
             return value, [pull(unit)[0] for unit in _units(value)]
 
         # one ray at a time, and the sum over the rays last: a sum at every surface would cost more than the trace
-        return jax.tree.map(lambda a: jnp.tensordot(counted.astype(a.dtype), a, 1), jax.vmap(of_ray)(rays))
+        return jax.tree.map(lambda a: jnp.where(counted, a, 0), jax.vmap(of_ray, out_axes=-1)(rays))
 
     @functools.cache
     def over_all(which: tuple[int, ...] | None, traced: bool) -> Callable[..., Any]:
@@ -122,7 +122,8 @@ def _add_blocks(sums: Callable[..., Any], size: int, parameters: Any, rays: Any)
             return jax.tree.map(jnp.add, so_far, sums(parameters, case, cut(rays, start, size), counted))
 
         nothing = jax.tree.map(lambda s: jnp.zeros(s.shape, s.dtype), shapes)
-        return lax.fori_loop(old // size, -(-count // size), step, nothing)
+        lanes = lax.fori_loop(old // size, -(-count // size), step, nothing)
+        return jax.tree.map(lambda a: a.sum(-1), lanes)
 
     return lax.map(of_case, cases)
 
@@ -130,7 +131,12 @@ def _add_blocks(sums: Callable[..., Any], size: int, parameters: Any, rays: Any)
 def _add_one_block(sums: Callable[..., Any], parameters: Any, rays: Any) -> Any:
     """The same sums, without a loop over blocks."""
     parameters, cases, old = parameters
-    return lax.map(lambda case: sums(parameters, case, rays, jnp.arange(ray_count(rays)) >= old), cases)
+
+    def of_case(case: Any) -> Any:
+        lanes = sums(parameters, case, rays, jnp.arange(ray_count(rays)) >= old)
+        return jax.tree.map(lambda a: a.sum(-1), lanes)
+
+    return lax.map(of_case, cases)
 
 
 def _added(run: Callable[..., Any], parameters: Any, cases: Any, rays: Any) -> Any:

@@ -6,11 +6,15 @@ With the normal N (any length, N2 = |N|^2), E = |N.d1|, s = sign(N.d1), mu = n1 
 
 which is d2 = mu d1 + g N with
 
-    N2 g = s (sqrt((mu E)^2 + kappa N2) - mu E).
+    N2 g = s (R - mu E),      R = sqrt((mu E)^2 + kappa N2).
 
-For mu > 0 the difference is cancelled analytically, g = s kappa / (mu E + sqrt(...)); for mu < 0 (one of the
-media has a negative index) nothing cancels: the ray goes on forward and its tangential part flips. For a
-mirror s flips and n2 = n1, so that g = -2 s E / N2. Total internal reflection is a negative root.
+For mu > 0 the difference is cancelled analytically, g = s kappa / (mu E + R); for mu < 0 (one of the media has a
+negative index) nothing cancels: the ray goes on forward and its tangential part flips. A mirror is mu = 1, kappa = 0
+with the other root, R = -E: g = -2 s E / N2. Total internal reflection is a negative R^2.
+
+All three g are roots of N2 g^2 + 2 s mu E g = kappa, whence their derivative
+
+    dg = (s dkappa / 2 - g (mu dE + E dmu + s g dN2 / 2)) / R.
 
 Source: Spencer & Murty, JOSA 52, 672 (1962), Eqs. (13)-(24), in another algebra; Veselago, Sov. Phys. Usp.
 10, 509 (1968) for n < 0.
@@ -19,11 +23,13 @@ Source: Spencer & Murty, JOSA 52, 672 (1962), Eqs. (13)-(24), in another algebra
 from __future__ import annotations
 
 import enum
+import functools
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 
-from lenstrace.optics.vectors import Vector, divide_where, root_or_zero
+from lenstrace.optics.vectors import Vector, divide_finite_where, divide_where, root_or_zero
 
 
 class Interaction(enum.Enum):
@@ -38,33 +44,64 @@ def bend(
     interaction: Interaction,
     direction: Vector,
     normal: Vector,
-    normal_squared: jax.Array | float,
+    normal_squared: jax.Array,
     cosine: jax.Array,
     side: jax.Array,
     index_before: jax.Array,
     index_after: jax.Array,
+    met: jax.Array,
 ) -> tuple[Vector, jax.Array]:
     """Direction behind a surface, and where there is one.
 
     direction:      unit vector d1.        normal: N, any length.        normal_squared: |N|^2.
     cosine:         E = |N.d1| >= 0.       side: s = sign(N.d1), +1 or -1.
     index_before, index_after:  n1, n2 relative to air; not used by a mirror.
-    Returns d2, and a mask: False at total internal reflection, where d2 is finite and means nothing.
+    met:            False where the ray meets no surface.
+    Returns d2, which is d1 where nothing is met or all light is reflected totally, and a mask: False there.
     """
     if interaction is Interaction.REFLECT:
-        along = -2 * side * cosine / normal_squared
-        x, y, z = (d + along * n for d, n in zip(direction, normal, strict=True))
-        return (x, y, z), jnp.ones(along.shape, bool)
-    mu = index_before / index_after
-    # (n2 - n1)(n2 + n1) loses nothing when the indices are nearly equal, 1 - mu^2 would
-    kappa = (index_after - index_before) * (index_after + index_before) / (index_after * index_after)
-    root = root_or_zero(mu * mu * cosine * cosine + kappa * normal_squared)
+        mu, kappa, root, bends = 1.0, 0.0, -cosine, met
+    else:
+        mu = index_before / index_after
+        # (n2 - n1)(n2 + n1) loses nothing when the indices are nearly equal, 1 - mu^2 would
+        kappa = (index_after - index_before) * (index_after + index_before) / (index_after * index_after)
+        root = root_or_zero(mu * mu * cosine * cosine + kappa * normal_squared)
+        bends = met & (root > 0)
+    along, share = _kick(interaction, normal_squared, cosine, mu, kappa, root, side, bends)
+    x, y, z = (share * d + along * n for d, n in zip(direction, normal, strict=True))
+    return (x, y, z), bends
+
+
+@functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
+def _kick(
+    interaction: Interaction,
+    normal_squared: jax.Array,
+    cosine: jax.Array,
+    mu: Any,
+    kappa: Any,
+    root: jax.Array,
+    side: jax.Array,
+    bends: jax.Array,
+) -> tuple[jax.Array, Any]:
+    """g and mu; 0 and 1 where the ray goes straight on. `root` is R, given by the others: its tangent is not read."""
+    if interaction is Interaction.REFLECT:
+        return divide_where(bends, -2 * side * cosine, normal_squared), mu
     forward = mu * cosine + root
     if interaction is Interaction.REFRACT_EITHER_SIGN:
         near = mu > 0
         numerator = jnp.where(near, kappa, root - mu * cosine)
-        along = side * numerator / jnp.where(near, jnp.where(root > 0, forward, 1), normal_squared)
+        along = divide_where(bends, side * numerator, jnp.where(near, forward, normal_squared))
     else:
-        along = divide_where(root > 0, side * kappa, forward)
-    x, y, z = (mu * d + along * n for d, n in zip(direction, normal, strict=True))
-    return (x, y, z), root > 0
+        along = divide_where(bends, side * kappa, forward)
+    # no kick, no change of direction: mu is 1, or the ray goes straight on
+    return along, jnp.where(along != 0, mu, 1)
+
+
+@_kick.defjvp
+def _(interaction: Interaction, primals: Any, tangents: Any) -> Any:
+    _, cosine, mu, _, root, side, bends = primals
+    d_square, d_cosine, d_mu, d_kappa, *_ = tangents
+    along, share = _kick(interaction, *primals)
+    change = side * d_kappa / 2 - along * (mu * d_cosine + cosine * d_mu + side * along * d_square / 2)
+    d_share = d_mu if interaction is Interaction.REFLECT else jnp.where(bends, d_mu, 0)
+    return (along, share), (divide_finite_where(bends, change, root), d_share)

@@ -52,6 +52,14 @@ def divide_where(condition: jax.Array, numerator: jax.Array, denominator: jax.Ar
     return jnp.where(condition, numerator, 0) / jnp.where(condition, denominator, 1)
 
 
+def divide_finite_where(condition: jax.Array, numerator: jax.Array, denominator: jax.Array) -> jax.Array:
+    """As `divide_where`, for a numerator that is finite everywhere: the rule of a derivative, linear in it.
+
+    In reverse the mask is then part of the quotient, and is not asked for again by everything that uses it.
+    """
+    return numerator / jnp.where(condition, denominator, jnp.inf)
+
+
 def rotation(tilt: jax.Array) -> jax.Array:
     """The matrix Rx Ry Rz of three right-handed angles.
 

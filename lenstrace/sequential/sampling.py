@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from typing import NamedTuple
 
 import numpy as np
@@ -10,6 +11,7 @@ from lenstrace.errors import RayError
 
 PATTERNS = ("hexapolar", "grid", "random", "sobol", "gaussian")
 SEED = 20
+KEPT = 16  # patterns
 # 751,501 rays for each field and wavelength; more do not fit into the memory of a small machine.
 MOST_RINGS = 500
 # Spokes for each ring of the gaussian pattern: then it integrates every polynomial in x and y of degree 4 r - 2.
@@ -42,11 +44,22 @@ def pupil_points(pattern: str = "hexapolar", rings: int = 6) -> PupilPoints:
     """
     if isinstance(rings, bool) or not isinstance(rings, int | np.integer) or not 1 <= rings <= MOST_RINGS:
         raise RayError(f"rings must be at least 1 and at most {MOST_RINGS}, a whole number, got {rings!r}")
+    if pattern not in PATTERNS:
+        raise RayError(f"unknown pupil pattern {pattern!r}; one of {', '.join(PATTERNS)}")
+    return _points(pattern, int(rings))
+
+
+@functools.lru_cache(maxsize=KEPT)
+def _points(pattern: str, rings: int) -> PupilPoints:
+    """As `pupil_points`; kept, and not to be written to: many points take longer to make than to trace."""
+    points = _made(pattern, rings)
+    for array in points:
+        array.flags.writeable = False
+    return points
+
+
+def _made(pattern: str, rings: int) -> PupilPoints:
     match pattern:
-        case "hexapolar":
-            ring = np.repeat(np.arange(1, rings + 1), 6 * np.arange(1, rings + 1))
-            place = np.arange(len(ring)) - 3 * ring * (ring - 1)
-            radius, turn = np.append(0.0, ring / rings), np.append(0.0, place / (6 * ring))
         case "grid":
             steps = np.arange(-rings, rings + 1)
             i, j = (a.ravel() for a in np.meshgrid(steps, steps, indexing="ij"))
@@ -59,9 +72,11 @@ def pupil_points(pattern: str = "hexapolar", rings: int = 6) -> PupilPoints:
             turn = spoke_turns(SPOKES * rings)
             weight = np.repeat(weight * rings, len(turn))
             return PupilPoints(*_polar(np.repeat(radius, len(turn)), np.tile(turn, rings)), weight)
-        case _:
-            raise RayError(f"unknown pupil pattern {pattern!r}; one of {', '.join(PATTERNS)}")
-    return PupilPoints(*_polar(radius, turn), np.ones(len(radius)))
+        case _:  # hexapolar
+            ring = np.repeat(np.arange(1, rings + 1), 6 * np.arange(1, rings + 1))
+            place = np.arange(len(ring)) - 3 * ring * (ring - 1)
+            radius, turn = np.append(0.0, ring / rings), np.append(0.0, place / (6 * ring))
+            return PupilPoints(*_polar(radius, turn), np.ones(len(radius)))
 
 
 def chance_points(pattern: str, count: int) -> PupilPoints:

@@ -125,14 +125,12 @@ def cross(ray: Ray, record: Record, kind: Kind, forward: jax.Array) -> tuple[Ray
     x, y, z = crossing.point
 
     geometry = (direction, crossing.normal, crossing.normal_squared, crossing.cosine, side)
-    bent, transmitted = bend(kind.interaction, *geometry, record.index_before, record.index_after)
     # a ray that met nothing, or is totally reflected, goes straight on
-    met = crossing.status == 0
-    l, m, n = (jnp.where(met & transmitted, new, old) for new, old in zip(bent, direction, strict=True))
-    reason = jnp.where(transmitted, int(RayStatus.OK), int(RayStatus.TIR))
+    (l, m, n), bent = bend(kind.interaction, *geometry, record.index_before, record.index_after, crossing.met)
+    reason = jnp.where(bent, int(RayStatus.OK), int(RayStatus.TIR))
     if kind.aperture is not ApertureKind.NONE:
         reason = jnp.where(passes(kind.aperture, record.aperture, x, y), reason, int(RayStatus.CLIPPED))
-    reason = jnp.where(met, reason, crossing.status).astype(ray.failure.dtype)
+    reason = jnp.where(crossing.met, reason, crossing.reason).astype(ray.failure.dtype)
     fails = (ray.failure == 0) & (reason > 0)
     failure = jnp.where(fails, failure_code(record.number, reason), ray.failure)
 

@@ -4,10 +4,14 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from jax.test_util import check_grads
 from numpy.testing import assert_allclose
 
 from lenstrace.optics.interactions import Interaction
 from lenstrace.optics.interactions import bend as law
+
+
+MET = jnp.asarray(True)
 
 
 def random_geometry(count: int = 500) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -24,7 +28,7 @@ def bend(direction, normal, cosine, side, n1, n2):
     squared = jnp.asarray((np.asarray(normal) ** 2).sum(0))
     scalars = (jnp.asarray(v) for v in (cosine, side, float(n1), float(n2)))
     kind = Interaction.REFRACT_EITHER_SIGN if n1 * n2 < 0 else Interaction.REFRACT
-    return law(kind, *vectors, squared, *scalars)
+    return law(kind, *vectors, squared, *scalars, MET)
 
 
 @pytest.mark.parametrize(
@@ -38,7 +42,8 @@ def test_law_of_refraction(n1: float, n2: float) -> None:
     sine = np.linalg.norm(np.cross(direction.T, unit.T), axis=1)
     assert (alive == (np.abs(n1 / n2) * sine < 1)).all()
     assert_allclose(np.linalg.norm(bent, axis=0)[alive], 1, rtol=2e-14)
-    assert np.isfinite(bent).all()
+    # what is totally reflected goes straight on
+    assert (bent[:, ~alive] == direction[:, ~alive]).all()
     # tangential optical momentum is conserved: n1 (d1 x N) = n2 (d2 x N)
     before, after = n1 * np.cross(direction.T, unit.T), n2 * np.cross(bent.T, unit.T)
     assert_allclose(after[alive], before[alive], atol=2e-14)
@@ -60,7 +65,7 @@ def test_critical_angle() -> None:
         sine, cosine = np.sin(np.deg2rad(angle)), np.cos(np.deg2rad(angle))
         bent, transmitted = bend(np.array([0, sine, cosine]), np.array([0.0, 0.0, 1.0]), cosine, 1.0, 1.5, 1)
         assert bool(transmitted) is through
-        assert np.isfinite(np.asarray(bent)).all()
+        assert through or (np.asarray(bent) == [0, sine, cosine]).all()
 
 
 def test_negative_index_sends_the_ray_to_the_other_side_of_the_normal() -> None:
@@ -75,7 +80,7 @@ def test_law_of_reflection() -> None:
     arguments = (tuple(map(jnp.asarray, v)) for v in (direction, normal))
     one = jnp.ones(())
     scalars = (jnp.asarray(v) for v in (squared, cosine, side))
-    bent, kept = law(Interaction.REFLECT, *arguments, *scalars, one, one)
+    bent, kept = law(Interaction.REFLECT, *arguments, *scalars, one, one, MET)
     mirrored = np.asarray(bent)
     assert np.asarray(kept).all()
     expected = direction - 2 * (direction * normal).sum(0) / squared * normal
@@ -104,7 +109,7 @@ def test_either_sign_serves_positive_indices_too() -> None:
     direction, normal, cosine, side = random_geometry()
     vectors = (tuple(map(jnp.asarray, v)) for v in (direction, normal))
     scalars = [jnp.asarray((normal**2).sum(0)), *(jnp.asarray(v) for v in (cosine, side, 1.0, 1.7))]
-    general, _ = law(Interaction.REFRACT_EITHER_SIGN, *vectors, *scalars)
+    general, _ = law(Interaction.REFRACT_EITHER_SIGN, *vectors, *scalars, MET)
     assert_allclose(general, bend(direction, normal, cosine, side, 1.0, 1.7)[0], atol=1e-15)
 
 
@@ -121,7 +126,37 @@ def test_derivative_by_index_is_finite_at_total_reflection() -> None:
             jnp.ones(()),
             jnp.asarray(1.5),
             n2,
+            MET,
         )
         return bent[1] + bent[2]
 
     assert np.isfinite(jax.grad(component)(1.0))
+
+
+@pytest.mark.parametrize("kind", list(Interaction))
+@pytest.mark.parametrize(("n1", "n2"), [(1.0, 1.5), (1.5, 1.0), (1.4, 1.4), (1.3, -1.2)])
+def test_derivatives_of_both_orders(kind: Interaction, n1: float, n2: float) -> None:
+    if kind is Interaction.REFRACT and n1 * n2 < 0:
+        return
+
+    def behind(direction: jax.Array, normal: jax.Array, n1: jax.Array, n2: jax.Array) -> jax.Array:
+        along = direction @ normal
+        geometry = tuple(direction), tuple(normal), normal @ normal, abs(along), jnp.sign(along)
+        return jnp.stack(law(kind, *geometry, n1, n2, MET)[0])
+
+    direction, normal, *_ = random_geometry(8)
+    for d, normal in zip(direction.T, normal.T, strict=True):
+        check_grads(behind, tuple(map(jnp.asarray, (d, normal, n1, n2))), order=2, eps=1e-6, rtol=1e-6, atol=1e-6)
+
+
+def test_a_ray_that_meets_nothing_goes_straight_on_and_its_derivatives_too() -> None:
+    def behind(direction: jax.Array, index: jax.Array) -> jax.Array:
+        zero, one = jnp.zeros(()), jnp.ones(())
+        geometry = tuple(direction), (zero, zero, one), one, direction[2], one
+        return jnp.stack(law(Interaction.REFRACT, *geometry, one, index, ~MET)[0])
+
+    direction = jnp.array([0.0, 0.6, 0.8])
+    by_direction, by_index = jax.jacobian(behind, (0, 1))(direction, jnp.asarray(1.5))
+    assert (behind(direction, jnp.asarray(1.5)) == direction).all()
+    assert (by_direction == np.eye(3)).all()
+    assert (by_index == 0).all()

@@ -81,7 +81,7 @@ class Asphere:
             return safe_divide(z + t * n - sag, n - slope * (px * l + py * m))
 
         start = Conic(self.curvature, self.conic).crossing(near, direction, side)
-        use_conic = (start.status == 0) & (jnp.abs(residual(start.distance)) < jnp.abs(residual(jnp.zeros_like(x))))
+        use_conic = start.met & (jnp.abs(residual(start.distance)) < jnp.abs(residual(jnp.zeros_like(x))))
         first = jnp.where(use_conic, start.distance, 0.0)
 
         eps = jnp.finfo(x.dtype).eps
@@ -110,12 +110,12 @@ class Asphere:
         normal_squared = normal[0] ** 2 + normal[1] ** 2 + 1
         cosine = side * (normal[0] * l + normal[1] * m + n)
         # beyond the rim there is no surface; a crossing in the wrong sense leaves open whether there is a right one
+        found = inside & (cosine > 0)
+        reason: jax.Array | int = int(RayStatus.MISSED)
         if self.newton_steps is None:
-            found = jnp.where(converged & (cosine > 0), 0, int(RayStatus.NOT_CONVERGED))
-        else:
-            found = jnp.where(cosine > 0, 0, int(RayStatus.MISSED))
-        status = jnp.where(inside, found, int(RayStatus.MISSED))
-        return Crossing(before + t, (x, y, z), normal, normal_squared, jnp.abs(cosine), status)
+            found &= converged
+            reason = jnp.where(inside, int(RayStatus.NOT_CONVERGED), reason)
+        return Crossing(before + t, (x, y, z), normal, normal_squared, jnp.abs(cosine), found, reason)
 
     def _departure(self, r2: jax.Array) -> jax.Array:
         """r_norm sum b_p (r / r_norm)^p."""

@@ -10,7 +10,7 @@ import jax.numpy as jnp
 from lenstrace.compute.pytree import pytree
 from lenstrace.optics.rays import RayStatus
 from lenstrace.optics.shapes.crossing import Crossing, approach
-from lenstrace.optics.vectors import Vector, divide_where, dot, root_or_zero, safe_sqrt
+from lenstrace.optics.vectors import Vector, divide_finite_where, divide_where, dot, root_or_zero, safe_sqrt
 
 MISSED = int(RayStatus.MISSED)
 
@@ -61,8 +61,8 @@ class Conic:
         normal = self.normal(x, y, z)
         hit = (cosine > 0) & (normal[2] > 0)
         # |N|^2 on the surface, where c (x^2 + y^2 + (1 + k) z^2) = 2 z
-        normal_squared = jnp.where(hit, 1 - self.conic * c * z * (2 - one_k * c * z), 1)
-        return Crossing(t, (x, y, z), normal, normal_squared, cosine, jnp.where(hit, 0, MISSED))
+        normal_squared = 1 - self.conic * c * z * (2 - one_k * c * z)
+        return Crossing(t, (x, y, z), normal, normal_squared, cosine, hit, MISSED)
 
 
 @jax.custom_jvp
@@ -97,9 +97,8 @@ def _(primals: Any, tangents: Any) -> Any:
     normal = (-c * x, -c * y, 1 - one_k * c * z)
     moves = tuple(dp + t * dd for dp, dd in zip(point_moved, turned, strict=True))
     rise = ((x * x + y * y + one_k * z * z) * dc + c * z * z * dk) / 2
-    hit = cosine > 0
-    dt = divide_where(hit, side * (rise - dot(normal, moves)), cosine)
+    dt = divide_finite_where(cosine > 0, side * (rise - dot(normal, moves)), cosine)
     dx, dy, dz = (move + d * dt for move, d in zip(moves, direction, strict=True))
     turns = -(dc * x + c * dx), -(dc * y + c * dy), -(dc * one_k * z + dk * c * z + c * one_k * dz)
     change = side * (dot(turns, direction) + dot(normal, turned))
-    return (t, there, cosine), (dt, (dx, dy, dz), jnp.where(hit, change, 0))
+    return (t, there, cosine), (dt, (dx, dy, dz), change)

@@ -15,13 +15,14 @@ FLAT = 0.25
 
 
 class Crossing(NamedTuple):
-    """Where a ray meets a shape.
+    """Where a ray meets a shape; where there is no crossing all numbers are finite, and without meaning.
 
-    distance:        signed path along the ray, mm; finite, and without meaning, where there is none.
+    distance:        signed path along the ray, mm.
     point:           the point met, mm.
     normal:          any length, n_z > 0 at the vertex.       normal_squared: its squared length.
     cosine:          |normal . direction|.
-    status:          0 (`RayStatus.OK`) or the reason why there is no crossing.
+    met:             whether there is a crossing.
+    reason:          why there is none, a `RayStatus`; without meaning where there is one.
     """
 
     distance: jax.Array
@@ -29,7 +30,13 @@ class Crossing(NamedTuple):
     normal: Vector
     normal_squared: jax.Array
     cosine: jax.Array
-    status: jax.Array
+    met: jax.Array
+    reason: jax.Array | int
+
+    @property
+    def status(self) -> jax.Array:
+        """0 (`RayStatus.OK`), or the reason why there is no crossing."""
+        return jnp.where(self.met, 0, self.reason)
 
 
 def approach(point: Vector, direction: Vector) -> tuple[jax.Array, Vector]:
