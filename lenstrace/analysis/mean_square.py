@@ -18,7 +18,6 @@ from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.sampling import PupilPoints, pupil_points
 from lenstrace.sequential.trace import trace
 
-
 # Rays that tell where the centroid is, to a part of the size of the spot.
 FEW = 64
 

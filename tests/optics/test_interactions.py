@@ -10,7 +10,6 @@ from numpy.testing import assert_allclose
 from lenstrace.optics.interactions import Interaction
 from lenstrace.optics.interactions import bend as law
 
-
 MET = jnp.asarray(True)
 
 
@@ -144,9 +143,10 @@ def test_derivatives_of_both_orders(kind: Interaction, n1: float, n2: float) -> 
         geometry = tuple(direction), tuple(normal), normal @ normal, abs(along), jnp.sign(along)
         return jnp.stack(law(kind, *geometry, n1, n2, MET)[0])
 
-    direction, normal, *_ = random_geometry(8)
-    for d, normal in zip(direction.T, normal.T, strict=True):
-        check_grads(behind, tuple(map(jnp.asarray, (d, normal, n1, n2))), order=2, eps=1e-6, rtol=1e-6, atol=1e-6)
+    directions, normals, *_ = random_geometry(8)
+    for direction, normal in zip(directions.T, normals.T, strict=True):
+        given = tuple(map(jnp.asarray, (direction, normal, n1, n2)))
+        check_grads(behind, given, order=2, eps=1e-6, rtol=1e-6, atol=1e-6)
 
 
 def test_a_ray_that_meets_nothing_goes_straight_on_and_its_derivatives_too() -> None:
