@@ -20,6 +20,7 @@ from lenstrace.analysis.extreme_lenses import (
 )
 from lenstrace.analysis.extreme_rays import (
     at_heights,
+    bent_to_the_rim,
     bundle,
     fan,
     from_far,
@@ -35,6 +36,13 @@ from lenstrace.sequential.lens import Lens
 
 CRITICAL, BREWSTER = math.asin(1 / 1.5), math.atan(1.5)
 STEPS = (1e-4, -1e-4, 1e-8, -1e-8, 1e-10, -1e-10, 1e-12, -1e-12)  # on both sides of a boundary
+# The same in units of eps: what is smaller than one is no step.
+EPS_STEPS = (4.0, -4.0, 16.0, -16.0, 64.0, -64.0, 1024.0, -1024.0)
+# Of r^16 on a sphere of 10 mm: its rim stands 1 mm higher or lower, or so much lower (10 mm, 30 mm) that rays there
+# meet the sheet twice or, where it has turned away, not at all.
+RIM_TERMS = (1e-16, -1e-16, -1e-15, -3e-15)
+RIM_STEPS = (1e-2, 1e-4, 1e-6, 1e-12, -1e-12, -1e-6, -1e-4, -1e-2)
+EPS = {name: float(np.finfo(name).eps) for name in ("float32", "float64")}
 
 
 def cases() -> tuple[Case, ...]:
@@ -48,13 +56,19 @@ def cases() -> tuple[Case, ...]:
         _case("radius 1e12 mm", _singlet({"radius": 1e12}), bundle(8.0)),
         _case(
             "hemisphere at its rim",
-            _singlet({"radius": 10.0}),
-            at_heights(10.0, (1e-2, 1e-4, 1e-6, 1e-9, 1e-12, 1e-15, 0.0, -1e-12)),
+            *_near(
+                _singlet({"radius": 10.0}, gap=20.0),
+                lambda steps: at_heights(10.0, steps),
+                (1e-2, 1e-4, 1e-6, 1e-9, 1e-12, 1e-15, 0.0, -1e-12),
+            ),
         ),
         _case(
             "tangent to a sphere within 1e-4 ... 1e-12",
-            _singlet({"radius": 10.0}),
-            tangents(10.0),
+            *_near(
+                _singlet({"radius": 10.0}),
+                lambda steps: tangents(10.0, steps),
+                (1e-4, -1e-4, 1e-6, 1e-8, -1e-8, 1e-10, 1e-12, -1e-12),
+            ),
         ),
         _case(
             "parabola along its axis",
@@ -73,23 +87,25 @@ def cases() -> tuple[Case, ...]:
         _case("light that runs backward", _singlet({"radius": 30.0}, gap=-5.0), turned(bundle(5.0))),
         _case(
             "at the critical angle within 1e-12 ... 1e-4",
-            _singlet({"index": None}, object_index=1.5),
-            incident(CRITICAL, STEPS),
+            *_near(_singlet({"index": None}, object_index=1.5), lambda steps: incident(CRITICAL, steps)),
         ),
         _case(
             "critical angle inside a sphere",
-            _singlet({"radius": -10.0, "index": None}, object_index=1.5),
-            meeting_inside(10.0, CRITICAL, STEPS),
+            *_near(
+                _singlet({"radius": -10.0, "index": None}, object_index=1.5),
+                lambda steps: meeting_inside(10.0, CRITICAL, steps),
+            ),
         ),
-        _case("Brewster's angle", _singlet({}), incident(BREWSTER, STEPS)),
+        _case("Brewster's angle", *_near(_singlet({}), lambda steps: incident(BREWSTER, steps))),
         _case(
-            "index ratio 1 +- 1e-12",
-            *_each(lambda n: _singlet({"radius": 20.0, "index": n}), (1 + 1e-12, 1 - 1e-12), bundle(8.0)),
+            "index ratio 1 +- 1e-12, 1 +- 4 eps",
+            *_indices(1.0, 1e-12),
         ),
         _case("index 4", _singlet({"radius": 20.0, "index": 4.0}), bundle(8.0)),
         _case(
-            "index -1 and -1 +- 1e-9",
-            *_each(lambda n: _singlet({"radius": 20.0, "index": n}), (-1.0, -1 + 1e-9, -1 - 1e-9), bundle(8.0)),
+            "index -1, -1 +- 1e-9, -1 +- 4 eps",
+            Trial(_singlet({"radius": 20.0, "index": -1.0}), bundle(8.0)),
+            *_indices(-1.0, 1e-9),
         ),
         *distant_and_near_objects(),
         _case("rays given 1e6 ... 1e12 mm away", _singlet({"radius": 50.0}), from_far(bundle(8.0))),
@@ -107,7 +123,7 @@ def cases() -> tuple[Case, ...]:
                         ]
                         * 150
                     ),
-                    rays_of([[0.3, 1.5, 0.0]], [[0.01, 0.02, 1.0]]),
+                    rays_of([[0.3, 1.5, 0.0], [-1.0, 0.2, 0.0]], [[0.01, 0.02, 1.0], [0.0, -0.03, 1.0]]),
                 ),
             ),
         ),
@@ -121,10 +137,10 @@ def cases() -> tuple[Case, ...]:
         ),
         _case(
             "asphere r^16 at its rim",
-            *_each(
-                lambda a: _singlet({"radius": 10.0, "asphere": {4: 1e-5, 6: 0.0, 16: a}}),
-                (1e-16, -1e-16),
-                at_heights(10.0, (0.3, 0.1, 0.03, 0.01, 1e-3, 1e-6, 1e-12, -1e-3), 0.2),
+            *(
+                Trial(_singlet({"radius": 10.0, "asphere": {4: 1e-5, 6: 0.0, 16: a}}), rays)
+                for a in RIM_TERMS
+                for rays in (at_heights(10.0, RIM_STEPS), bent_to_the_rim(10.0))
             ),
         ),
         _case(
@@ -147,6 +163,22 @@ def _case(name: str, *trials: Any) -> Case:
 def _each(lens: Callable[[float], Lens], values: Sequence[float], rays: np.ndarray) -> tuple[Trial, ...]:
     """The same rays through a lens for each of the values."""
     return tuple(Trial(lens(value), rays) for value in values)
+
+
+def _near(lens: Lens, rays: Callable[[Sequence[float]], np.ndarray], steps: Sequence[float] = STEPS) -> list[Trial]:
+    """Rays near a boundary, by steps of any precision and by those of each."""
+    own = (Trial(lens, rays([eps * step for step in EPS_STEPS]), precision=name) for name, eps in EPS.items())
+    return [Trial(lens, rays(steps)), *own]
+
+
+def _indices(middle: float, step: float) -> list[Trial]:
+    """Glasses whose index is by a step, and by four eps of a precision, more or less than a number."""
+
+    def at(change: float, precision: str | None = None) -> Trial:
+        return Trial(_singlet({"radius": 20.0, "index": middle + change}), bundle(8.0), precision=precision)
+
+    own = (at(sign * 4 * eps, name) for name, eps in EPS.items() for sign in (1, -1))
+    return [at(step), at(-step), *own]
 
 
 def _singlet(front: Keys, gap: float = 5.0, **more: Any) -> Lens:

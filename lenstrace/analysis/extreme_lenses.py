@@ -23,11 +23,13 @@ class Trial:
 
     rays:      (N, 6), point (mm) and direction at the first vertex; or None, then they are launched by the tracer:
     launched:  (N, 4), field x and y (in the lens's unit), pupil x and y.
+    precision: the one that it is an extreme of; None: of every one.
     """
 
     lens: Lens
     rays: np.ndarray | None = None
     launched: np.ndarray | None = None
+    precision: str | None = None
 
     @property
     def count(self) -> int:

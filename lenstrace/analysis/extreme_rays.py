@@ -29,10 +29,17 @@ def at_heights(radius: float, below: Sequence[float], slope: float = 0.0) -> np.
     return rays_of(np.stack([0 * y, y, 0 * y - 1.0], -1), [[0.0, -slope, 1.0]])
 
 
-def tangents(radius: float) -> np.ndarray:
+def bent_to_the_rim(radius: float) -> np.ndarray:
+    """Rays of a few slopes toward the rim of a hemisphere, from inside and outside it, and past the vertex."""
+    y = radius * np.array([0.98, 1.02, 0.9, 0.6, 1.3, 1.0, 0.2, 1.5])
+    slopes = np.array([0.02, -0.02, 0.1, 0.3, -0.3, 1.0, 3.0, -1.0])
+    return rays_of(np.stack([0 * y, y, 0 * y - 1.0], -1), np.stack([0 * y, slopes, 1 + 0 * y], -1))
+
+
+def tangents(radius: float, steps: Sequence[float]) -> np.ndarray:
     """Rays that pass a sphere's centre at the radius less these parts of it, half a radian steep."""
     sine, cosine = math.sin(0.5), math.cos(0.5)
-    apart = radius * (1 - np.array([1e-4, -1e-4, 1e-6, 1e-8, -1e-8, 1e-10, 1e-12, -1e-12]))[:, None]
+    apart = radius * (1 - np.array(steps))[:, None]
     nearest = np.array([0.0, 0.0, radius]) + apart * np.array([0.0, cosine, -sine])
     direction = np.array([0.0, sine, cosine])
     return rays_of(nearest - radius * direction, direction[None])

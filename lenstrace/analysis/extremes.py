@@ -1,6 +1,7 @@
 """The tracer at the extremes: its error in units of eps, a backward error, against the judge.
 
-In float32 the judge gets the float32 numbers. C and its scale: see `extreme_errors`; the bound to hold is 16 for each
+In float32 the judge gets the float32 numbers. C and its scale: see `extreme_errors`, `extreme_launch` and
+`extreme_gradients`; the bound to hold is 16 for each
 surface crossed.
 """
 
@@ -10,33 +11,21 @@ import dataclasses
 from collections.abc import Callable
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
 from lenstrace.analysis.cardinal import first_order
 from lenstrace.analysis.extreme_cases import cases
-from lenstrace.analysis.extreme_errors import (
-    BACKWARD,
-    backward_error,
-    course_of,
-    gradient_error,
-    judged_fate,
-    launch_error,
-)
+from lenstrace.analysis.extreme_errors import backward_error, course_of, judged_fate
+from lenstrace.analysis.extreme_gradients import gradient_error
+from lenstrace.analysis.extreme_launch import JudgedLaunch, judged_launch, launch_error
 from lenstrace.analysis.extreme_lenses import Case, Trial
+from lenstrace.analysis.extreme_slopes import slopes_by_launch, slopes_by_numbers
 from lenstrace.analysis.rays import ray, trace
 from lenstrace.optics.rays import Ray
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.reference_surface import surfaces_of_system
-from lenstrace.sequential.system import System
-from lenstrace.sequential.trace import trace as trace_system
 
 PRECISIONS = ("float32", "float64")
-# These programs run once: what is not optimized compiles in a fraction of the time.
-QUICKLY: dict[str, int | bool] = {"xla_backend_optimization_level": 0, "xla_cpu_use_fusion_emitters": False}
-
-# Of so many rays the derivatives of one are judged: that costs as much again as judging the ray.
-EVERY = 3
 
 Progress = Callable[[int, int, str], None]
 
@@ -50,7 +39,10 @@ class Errors:
     statuses:          every status is the judge's, or is so for numbers moved by 16 eps.
     finite:            all results are finite, those of lost rays included.
     gradients_finite:  so are the derivatives of the results by every number of ray and lens.
-    gradient:          worst error of the derivatives of a ray that arrives: see `gradient_error`.
+    gradient:          worst error of the derivatives of a ray that arrives, by all numbers of ray and lens, and by
+                       field and pupil if it is launched: see `extreme_gradients`; None where none is judged.
+    gradients:         of how many rays the derivatives are judged: of all that arrive, and still do where numbers are
+                       moved by an eps.
     """
 
     course: float
@@ -59,7 +51,8 @@ class Errors:
     statuses: bool
     finite: bool
     gradients_finite: bool
-    gradient: float
+    gradient: float | None
+    gradients: int
 
 
 @dataclasses.dataclass(frozen=True)
@@ -93,7 +86,10 @@ def extremes(progress: Progress | None = None) -> tuple[Extreme, ...]:
 
 def judged(case: Case) -> Extreme:
     """One extreme."""
-    single, double = (_worst([_errors(trial, precision) for trial in case.trials]) for precision in PRECISIONS)
+    single, double = (
+        _worst([_errors(trial, precision) for trial in case.trials if trial.precision in (None, precision)])
+        for precision in PRECISIONS
+    )
     exact = None
     if case.scales:
         exact = all(_scales(case, precision) for precision in PRECISIONS)
@@ -104,9 +100,18 @@ def judged(case: Case) -> Extreme:
 
 
 def _worst(errors: list[Errors]) -> Errors:
-    """The worst of each figure: the largest number, or False."""
-    columns = zip(*map(dataclasses.astuple, errors), strict=True)
-    return Errors(*(all(column) if isinstance(column[0], bool) else max(column) for column in columns))
+    """The worst of each figure: the largest number, or False; and how many gradients were judged in all."""
+    judged = [each.gradient for each in errors if each.gradient is not None]
+    return Errors(
+        course=max(each.course for each in errors),
+        surface=max(each.surface for each in errors),
+        launch=max(each.launch for each in errors),
+        statuses=all(each.statuses for each in errors),
+        finite=all(each.finite for each in errors),
+        gradients_finite=all(each.gradients_finite for each in errors),
+        gradient=max(judged, default=None),
+        gradients=sum(each.gradients for each in errors),
+    )
 
 
 def _errors(trial: Trial, precision: str) -> Errors:
@@ -116,26 +121,32 @@ def _errors(trial: Trial, precision: str) -> Errors:
     path = _traced(lens, trial)
     values = np.stack([np.asarray(a) for a in (path.x, path.y, path.z, path.l, path.m, path.n, path.opl)], -1)
     starts, failures = values[0, :, :6], np.asarray(path.failure)[-1]
-    slopes = [_jacobian(system, start) for start in starts]
+    slopes = slopes_by_numbers(system, starts)
+    launches: list[JudgedLaunch | None] = [None] * trial.count
+    by_launch = np.zeros((trial.count, 7, 0))
+    if trial.launched is not None:
+        launches = [judged_launch(trial.lens, launched, precision) for launched in trial.launched]
+        by_launch = slopes_by_launch(lens, trial.launched)
     starts = starts.astype(float)
     surfaces = surfaces_of_system(system)
     found = []
-    for i, start in enumerate(starts):
+    for i, (start, launch) in enumerate(zip(starts, launches, strict=True)):
         rows = course_of(surfaces, start)
         agrees, last = judged_fate(surfaces, start, rows, int(failures[i]), eps)
         each = [backward_error(rows[s], values[s, i], eps) for s in range(1, last + 1)]
-        arrives = last == len(surfaces) and bool(np.isfinite(rows[-1].condition).all())
+        gradient = None
+        if last == len(surfaces) and np.isfinite(rows[-1].condition).all():
+            gradient = gradient_error(surfaces, start, rows[-1], slopes[i], eps, launch, by_launch[i])
         found.append(
             Errors(
                 course=max(each, default=0.0),
                 surface=max((error / s for s, error in enumerate(each, 1)), default=0.0),
-                launch=0.0 if trial.launched is None else launch_error(trial.lens, trial.launched[i], start, precision),
+                launch=0.0 if launch is None else launch_error(launch, start, eps),
                 statuses=agrees,
                 finite=bool(np.isfinite(values[:, i]).all()),
-                gradients_finite=bool(np.isfinite(slopes[i]).all()),
-                gradient=gradient_error(surfaces, start, rows[-1], slopes[i], eps)
-                if arrives and not i % EVERY
-                else 0.0,
+                gradients_finite=bool(np.isfinite(slopes[i]).all() and np.isfinite(by_launch[i]).all()),
+                gradient=gradient,
+                gradients=int(gradient is not None),
             )
         )
     return _worst(found)
@@ -149,45 +160,6 @@ def _traced(lens: Lens, trial: Trial) -> Ray:
     assert trial.rays is not None
     x, y, z, l, m, n = trial.rays.T
     return trace(lens, ray((x, y, z), (l, m, n)))
-
-
-def _jacobian(system: System, start: jax.Array) -> np.ndarray:
-    """(7, I): derivatives of x, y, z, l, m, n and opl of a ray at the image by its own six numbers and by those of the
-    system, in the order of `input_numbers`, and by the asphere terms as the judge knows them, a_p of r^p."""
-    rows = [_slopes(_bare(system), start, weights) for weights in np.eye(7, dtype=start.dtype)]
-    slopes = np.stack(jax.device_get(rows)).astype(float)
-    count = len(system.kinds)
-    powers = np.array(max((kind.powers for kind in system.kinds), key=len), int)
-    blocks = slopes[:, 6 + count :].reshape(7, count, -1)
-    blocks[..., 2 : 2 + len(powers)] *= np.asarray(system.norm_radius, float)[:, None] ** (powers - 1)
-    return slopes
-
-
-def _slope(system: System, start: jax.Array, weights: jax.Array) -> jax.Array:
-    """(I,): derivatives of a weighted sum of the seven results."""
-    names = ("index", "curvature", "conic", "coefficients", "thickness", "decenter", "tilt")
-
-    def result(start: jax.Array, numbers: dict[str, jax.Array]) -> jax.Array:
-        x, y, z, l, m, n = start
-        ray = Ray(x, y, z, l, m, n, failure=jnp.zeros((), jnp.int32), opl=jnp.zeros_like(x))
-        sense = jnp.where(n < BACKWARD, -1.0, 1.0).astype(start.dtype)
-        end = trace_system(system.replace(**numbers), ray, sense=sense)
-        assert end.opl is not None
-        return jnp.dot(weights, jnp.stack([end.x, end.y, end.z, end.l, end.m, end.n, end.opl]))
-
-    numbers = {name: jnp.asarray(getattr(system, name)) for name in names}
-    by_start, by = jax.grad(result, argnums=(0, 1))(start, numbers)
-    gap = jnp.concatenate([jnp.zeros_like(by["curvature"][:1]), by["thickness"]])
-    own = [by["curvature"][:, None], by["conic"][:, None], by["coefficients"], gap[:, None], by["decenter"], by["tilt"]]
-    return jnp.concatenate([by_start, by["index"], jnp.concatenate(own, -1).reshape(-1)])
-
-
-_slopes = jax.jit(_slope, compiler_options=QUICKLY)
-
-
-def _bare(system: System) -> System:
-    """What a trace needs and nothing else, so that lenses that are launched differently share a program."""
-    return system.replace(object_distance=None, stop=1, aperture_kind="", field_kind="", ray_aiming=False)
 
 
 def _scales(case: Case, precision: str) -> bool:

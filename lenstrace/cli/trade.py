@@ -148,11 +148,14 @@ def _run_extremes(arguments: argparse.Namespace) -> None:
         return
     columns = ["extreme", "surfaces", "rays"]
     for precision in ("float32", "float64"):
-        columns += [f"{precision}: C", "C a surface", "C gradient"]
+        columns += [f"{precision}: C", "C a surface", "C gradient", "judged"]
     rows = [_extreme_row(each) for each in found]
     print_table("Backward errors at the extremes, in units of eps", [*columns, "statuses", "finite", "exact"], rows)
     print("C: worst |computed - true| / (eps (scale + condition number x input)) against the judge in 50 digits;")
-    print("a surface: divided by the surfaces crossed; gradient: the same of the derivatives of a result;")
+    print(
+        "a surface: divided by the surfaces crossed; gradient: the same of the derivatives of a result, of so many rays"
+    )
+    print("judged, all that arrive; - where none does;")
     print(
         "statuses: all as the judge's, or as of numbers moved by 16 eps; finite: results and gradients, lost rays too;"
     )
@@ -163,7 +166,8 @@ def _extreme_row(each: Extreme) -> list[str]:
     row = [each.name, str(each.surfaces), str(each.rays)]
     both = each.float32, each.float64
     for errors in both:
-        row += [f"{max(errors.course, errors.launch):.1f}", f"{errors.surface:.2f}", f"{errors.gradient:.1f}"]
+        gradient = "-" if errors.gradient is None else f"{errors.gradient:.1f}"
+        row += [f"{max(errors.course, errors.launch):.1f}", f"{errors.surface:.2f}", gradient, str(errors.gradients)]
     exact = "-" if each.exact is None else _yes(each.exact)
     finite = all(errors.finite and errors.gradients_finite for errors in both)
     return [*row, _yes(all(errors.statuses for errors in both)), _yes(finite), exact]

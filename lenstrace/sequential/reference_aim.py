@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from lenstrace.sequential.lens import Lens
-from lenstrace.sequential.reference import GUARD_DIGITS, Number, Vector, mp, reference_trace, unit, vector
+from lenstrace.sequential.reference import GUARD_DIGITS, reference_trace
 from lenstrace.sequential.reference_launch import reference_launch
+from lenstrace.sequential.reference_surface import Number, Vector, mp, unit, vector
 
 # Newton's steps: each doubles the digits of a start that has ten.
 STEPS = 4

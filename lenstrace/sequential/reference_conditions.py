@@ -15,14 +15,13 @@ import numpy as np
 
 from lenstrace.optics.rays import RayStatus
 from lenstrace.sequential.reference import GUARD_DIGITS, Finder, State, Step, crossed
+from lenstrace.sequential.reference_layout import POSE, Layout, input_numbers, layout_of
 from lenstrace.sequential.reference_shapes import height_over, normal_of
 from lenstrace.sequential.reference_surface import Number, ReferenceSurface, Vector, mp, unit, vector
 from lenstrace.sequential.system import Placement
 
-LAUNCH = 6  # numbers of the ray: x, y, z, l, m, n
-POSE = 5  # numbers of a pose: decentre in x and y, tilt about x, y, z
 RESULTS = 7  # x, y, z, l, m, n, opl
-NEWTON_STEPS = 2  # from the crossing of a ray to that of one so close that each squares its error
+NEWTON_STEPS = 1  # from the crossing of a ray to that of one so close that a step squares its error
 
 
 class ConditionedRow(NamedTuple):
@@ -30,8 +29,10 @@ class ConditionedRow(NamedTuple):
 
     values:     x, y, z, l, m, n, opl, as in `ReferenceRow`.
     status:     what became of the ray here.
-    slopes:     (7, I), derivatives of the values by all numbers, in the order that `input_numbers` has; nan from where
+    slopes:     (7, I), derivatives of the values by all numbers, in the order of `Layout`; nan from where
                 one is not finite.
+    sizes:      (7, I), the slopes if no term of the chain rule cancelled another, and all components of a point, and
+                of a direction, were as large as the largest: what rounding of the chain is relative to.
     condition:  (7,), sum of |slope| |number|; inf there.
     length:     mm, the largest |coordinate| or |gap| that the ray has met so far.
     """
@@ -39,19 +40,9 @@ class ConditionedRow(NamedTuple):
     values: tuple[Number, ...]
     status: RayStatus
     slopes: np.ndarray
+    sizes: np.ndarray
     condition: np.ndarray
     length: float
-
-
-def input_numbers(
-    surfaces: Sequence[ReferenceSurface], point: Sequence[Any] | np.ndarray, direction: Sequence[Any] | np.ndarray
-) -> np.ndarray:
-    """(I,): six of the ray; the K indices, of the object space and behind each surface but the image; then for each
-    surface curvature, conic, T coefficients, the gap before it, decentre (2), tilt (3)."""
-    width = _terms(surfaces)
-    rows = [[s.curvature, s.conic, *_padded(s.coefficients, width), s.gap, *s.decenter, *s.tilt] for s in surfaces]
-    flat = [*point, *direction, *(s.before for s in surfaces), *(number for row in rows for number in row)]
-    return np.array([float(number) for number in flat])
 
 
 def conditioned_trace(
@@ -65,52 +56,57 @@ def conditioned_trace(
     with mp.workdps(digits + GUARD_DIGITS):
         given = vector(*direction)
         state = State(vector(*point), unit(given), mp.zero, sense)
-        numbers = np.abs(input_numbers(surfaces, point, direction))
+        layout, numbers = layout_of(surfaces), np.abs(input_numbers(surfaces, point, direction))
         slopes = np.zeros((RESULTS, numbers.size))
-        slopes[:3, :3] = np.eye(3)
+        slopes[:3, layout.point] = np.eye(3)
         along = state.direction.astype(float)
-        slopes[3:6, 3:6] = (np.eye(3) - np.outer(along, along)) / float(mp.sqrt(given @ given))
+        slopes[3:6, layout.direction] = (np.eye(3) - np.outer(along, along)) / float(mp.sqrt(given @ given))
         length = max(map(abs, state.point.astype(float)))
-        rows = [_row(state, RayStatus.OK, slopes, numbers, length)]
+        sizes = _evened(np.abs(slopes))
+        rows = [_row(state, RayStatus.OK, slopes, sizes, numbers, length)]
         for i, surface in enumerate(surfaces):
             step = crossed(surface, state)
             if step.distance is None or step.status is RayStatus.TIR:
-                rows.append(_row(step.here, step.status, np.full_like(slopes, np.nan), numbers, length))
+                none = np.full_like(slopes, np.nan)
+                rows.append(_row(step.here, step.status, none, none, numbers, length))
                 break
             here, onward = _slopes_of(surface, state, step)
             length = max(length, abs(float(surface.gap)), *map(abs, step.here.point.astype(float)))
-            places = _places(i, surfaces)
-            rows.append(_row(step.here, step.status, _chained(here, slopes, places), numbers, length))
-            slopes, state = _chained(onward, slopes, places), step.onward
+            places = _places(i, surface, layout)
+            chained = _chained(here, slopes, places), _evened(_chained(np.abs(here), sizes, places))
+            rows.append(_row(step.here, step.status, *chained, numbers, length))
+            slopes, sizes = _chained(onward, slopes, places), _evened(_chained(np.abs(onward), sizes, places))
+            state = step.onward
         return rows
 
 
-def _row(state: State, status: RayStatus, slopes: np.ndarray, numbers: np.ndarray, length: float) -> ConditionedRow:
+def _row(
+    state: State, status: RayStatus, slopes: np.ndarray, sizes: np.ndarray, numbers: np.ndarray, length: float
+) -> ConditionedRow:
     with np.errstate(over="ignore", invalid="ignore"):
         condition = np.abs(slopes) @ numbers
     return ConditionedRow(
         (*state.point, *state.direction, state.opl),
         status,
         slopes,
+        sizes,
         np.where(np.isnan(condition), np.inf, condition),
         length,
     )
 
 
-def _terms(surfaces: Sequence[ReferenceSurface]) -> int:
-    return max(len(surface.coefficients) for surface in surfaces)
-
-
-def _padded(numbers: Sequence[Number], width: int) -> list[Number]:
-    return [*numbers, *[mp.zero] * (width - len(numbers))]
-
-
-def _places(i: int, surfaces: Sequence[ReferenceSurface]) -> list[int]:
+def _places(i: int, surface: ReferenceSurface, layout: Layout) -> list[int]:
     """Among all numbers, those that the i-th surface depends on, in the order of `_slopes_of`."""
-    count, width = len(surfaces), _terms(surfaces)
-    first = LAUNCH + count + i * (2 + width + 1 + POSE)
-    own = [*range(2 + len(surfaces[i].coefficients)), *range(2 + width, 2 + width + 1 + POSE)]
-    return [LAUNCH + i, LAUNCH + min(i + 1, count - 1), *(first + place for place in own)]
+    own = layout.places(i)
+    return [
+        *layout.media(i),
+        own[layout.curvature],
+        own[layout.conic],
+        *own[layout.coefficients][: len(surface.coefficients)],
+        own[layout.gap],
+        *own[layout.decenter],
+        *own[layout.tilt],
+    ]
 
 
 def _chained(step: np.ndarray, slopes: np.ndarray, places: list[int]) -> np.ndarray:
@@ -121,6 +117,12 @@ def _chained(step: np.ndarray, slopes: np.ndarray, places: list[int]) -> np.ndar
         for place, column in zip(places, step[:, RESULTS:].T, strict=True):
             chained[:, place] += column
     return chained
+
+
+def _evened(sizes: np.ndarray) -> np.ndarray:
+    """(7, I): each component as large as the largest of its point or direction."""
+    vectors = sizes[:6].reshape(2, 3, -1)
+    return np.concatenate([np.broadcast_to(vectors.max(1, keepdims=True), vectors.shape).reshape(6, -1), sizes[6:]])
 
 
 def _slopes_of(surface: ReferenceSurface, state: State, step: Step) -> tuple[np.ndarray, np.ndarray]:

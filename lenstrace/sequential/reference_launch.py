@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.reference import GUARD_DIGITS
-from lenstrace.sequential.reference_surface import Number, Vector, indices_of, mp, unit, vector
+from lenstrace.sequential.reference_surface import Number, Vector, exact, indices_of, mp, unit, vector
 
 
 def reference_launch(
-    lens: Lens, field: Sequence[float], pupil: Sequence[float], digits: int = 50
+    lens: Lens, field: Sequence[Number], pupil: Sequence[Number], digits: int = 50
 ) -> tuple[Vector, Vector]:
     """Point (mm, in the plane of the first vertex) and direction of the ray of a field (x, y; degrees or mm) and a
     point (x, y) of the paraxial entrance pupil of the primary wavelength. ValueError with ray aiming.
@@ -18,7 +18,7 @@ def reference_launch(
     if lens.ray_aiming:
         raise ValueError("reference_launch knows no ray aiming; give the traced launch to reference_trace")
     with mp.workdps(digits + GUARD_DIGITS):
-        (field_x, field_y), (pupil_x, pupil_y) = ([mp.mpf(float(v)) for v in pair] for pair in (field, pupil))
+        (field_x, field_y), (pupil_x, pupil_y) = ([exact(v) for v in pair] for pair in (field, pupil))
         distance = mp.inf if lens.object_distance is None else mp.mpf(float(lens.object_distance))
         position, radius, slope, scale = _first_order(lens, distance)
         ahead = mp.one

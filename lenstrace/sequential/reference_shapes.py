@@ -15,6 +15,7 @@ import numpy as np
 
 from lenstrace.sequential.reference_surface import Number, ReferenceSurface, Vector, mp, unit, vector
 
+DIFFERENCE_GUARD = 10  # digits that a difference is carried beyond what it needs
 EXTRA = 6  # times as many digits where a textbook formula cancels
 BISECTIONS = 40  # before secant steps are tried
 SCAN = 4000  # points on either side where an asphere's crossings are looked for
@@ -36,8 +37,8 @@ def crossing_of(surface: ReferenceSurface, point: Vector, direction: Vector, sen
 def normal_of(surface: ReferenceSurface, point: Vector) -> Vector:
     """Of unit length, toward +z at the vertex."""
     r = mp.hypot(point[0], point[1])
-    slope = mp.diff(lambda at: _sag(surface, at), r) / r if r else 0
-    return unit(vector(-slope * point[0], -slope * point[1], 1))
+    slope = _slope(surface, r) / r if r else mp.zero
+    return unit(np.array([-slope * point[0], -slope * point[1], mp.one], object))
 
 
 def height_over(surface: ReferenceSurface, point: Vector) -> Number:
@@ -50,6 +51,14 @@ def _sag(surface: ReferenceSurface, r: Number) -> Number:
     c, k = surface.curvature, surface.conic
     conic = c * r * r / (1 + mp.sqrt(max(0, 1 - (1 + k) * (c * r) ** 2)))
     return conic + sum(a * r**power for power, a in zip(surface.powers, surface.coefficients, strict=True))
+
+
+def _slope(surface: ReferenceSurface, r: Number) -> Number:
+    """Of the sag at r, a central difference in twice the digits; its error is the square of its step."""
+    digits = mp.dps
+    with mp.workdps(2 * digits + DIFFERENCE_GUARD):
+        step = r * mp.mpf(10) ** -(digits // 2 + DIFFERENCE_GUARD)
+        return (_sag(surface, r + step) - _sag(surface, r - step)) / (2 * step)
 
 
 def _conic_roots(surface: ReferenceSurface, point: Vector, direction: Vector) -> list[Number]:

@@ -46,6 +46,8 @@ def test_extremes(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.Monkey
     (found,) = json.loads(capsys.readouterr().out)["extremes"]
     assert found["float32"]["statuses"] is True
     assert found["float64"]["course"] < 16
+    assert found["float64"]["gradients"] == 2
+    assert found["float64"]["gradient"] < 64
 
 
 def test_spots_within_a_tolerance(capsys: pytest.CaptureFixture[str]) -> None:

@@ -14,7 +14,8 @@ from numpy.testing import assert_allclose
 import lenstrace
 from lenstrace import Lens, RayStatus
 from lenstrace.sequential.reference import State, course_through, reference_trace
-from lenstrace.sequential.reference_conditions import conditioned_trace, input_numbers
+from lenstrace.sequential.reference_conditions import conditioned_trace
+from lenstrace.sequential.reference_layout import input_numbers
 from lenstrace.sequential.reference_surface import ReferenceSurface, surfaces_of, surfaces_of_system, unit, vector
 
 mp: Any = mpmath.mp
