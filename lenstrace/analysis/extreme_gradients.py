@@ -23,7 +23,8 @@ from lenstrace.sequential.reference_layout import Layout, layout_of
 from lenstrace.sequential.reference_surface import ReferenceSurface
 
 CHAIN = 2.0**-52  # what the judge's chain of derivatives, of numbers of about 1, is rounded to
-PLAIN, SAMPLES = 24.0, 3  # beyond this the numbers are moved again, at most so often: changes may cancel by chance
+# Beyond so much a surface the numbers are moved again, at most so often: their changes may cancel by chance.
+PLAIN, SAMPLES = 8.0, 3
 NOTHING = 1e-14  # derivatives below this are its rounding of 0
 LENGTHS = np.array([True] * 3 + [False] * 3 + [True])
 
@@ -61,7 +62,7 @@ def gradient_error(
             # the smaller: on the side on which the launch goes on as it is
             changed = np.minimum(*nearby)
             worst = max(worst, _worst(true, sizes, changed, by_launch, units, np.array([0, 0, 1, 1]), length, eps))
-        if worst <= PLAIN:
+        if worst <= PLAIN * len(surfaces):
             break
     return worst
 
@@ -105,7 +106,7 @@ def _weights(surfaces: Sequence[ReferenceSurface], layout: Layout, length: float
 def _groups(layout: Layout) -> np.ndarray:
     """(I,): a number of its group for each; a term of an asphere is a group of its own."""
     groups = np.zeros(layout.size, int)
-    groups[layout.direction], groups[layout.index] = 1, 2
+    groups[layout.direction], groups[layout.indices] = 1, 2
     for own in layout.blocks(groups):
         own[:] = 3 + np.arange(layout.width)
         for place in (layout.decenter, layout.tilt):

@@ -31,7 +31,7 @@ def slopes_by_numbers(system: System, starts: np.ndarray) -> np.ndarray:
     layout = Layout(count, len(powers))
     slopes = np.zeros((len(by_start), 7, layout.size))
     slopes[..., layout.point], slopes[..., layout.direction] = by_start[..., :3], by_start[..., 3:]
-    slopes[..., layout.index] = by["index"]
+    slopes[..., layout.indices] = by["index"]
     blocks = layout.blocks(slopes)
     blocks[..., layout.curvature], blocks[..., layout.conic] = by["curvature"], by["conic"]
     lengths = np.asarray(system.norm_radius, float)[:, None] ** (powers - 1)

@@ -233,14 +233,5 @@ def _along(axis: int, change: Number) -> Vector:
 
 def _numbers(step: Step) -> Vector:
     """Of the ray here, then onward."""
-    return np.array(
-        [
-            *step.here.point,
-            *step.here.direction,
-            step.here.opl,
-            *step.onward.point,
-            *step.onward.direction,
-            step.onward.opl,
-        ],
-        object,
-    )
+    both = (step.here, step.onward)
+    return np.array([x for state in both for x in (*state.point, *state.direction, state.opl)], object)

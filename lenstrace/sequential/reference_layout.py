@@ -18,7 +18,7 @@ class Layout(NamedTuple):
     behind each surface but the image; then a block for each of the K surfaces.
 
     surfaces, terms: K, the image included; T, coefficients of a block.
-    point, direction, index are places among all numbers, the others within a block: see `blocks`.
+    point, direction, indices are places among all numbers, the others within a block: see `blocks`.
     """
 
     surfaces: int
@@ -30,7 +30,7 @@ class Layout(NamedTuple):
     conic = 1
 
     @property
-    def index(self) -> slice:
+    def indices(self) -> slice:
         """Of all media."""
         return slice(LAUNCH, LAUNCH + self.surfaces)
 
@@ -70,7 +70,7 @@ class Layout(NamedTuple):
 
     def blocks(self, numbers: np.ndarray) -> np.ndarray:
         """View (..., K, width) of the surfaces' own numbers, among all (..., size)."""
-        return numbers[..., self.index.stop :].reshape(*numbers.shape[:-1], self.surfaces, self.width)
+        return numbers[..., self.indices.stop :].reshape(*numbers.shape[:-1], self.surfaces, self.width)
 
     def places(self, i: int) -> np.ndarray:
         """Places, among all numbers, of the i-th surface's own."""
@@ -89,7 +89,7 @@ def input_numbers(
     layout = layout_of(surfaces)
     numbers = np.zeros(layout.size)
     numbers[layout.point], numbers[layout.direction] = np.array(point, float), np.array(direction, float)
-    numbers[layout.index] = [float(surface.before) for surface in surfaces]
+    numbers[layout.indices] = [float(surface.before) for surface in surfaces]
     for own, surface in zip(layout.blocks(numbers), surfaces, strict=True):
         own[layout.curvature], own[layout.conic], own[layout.gap] = surface.curvature, surface.conic, surface.gap
         own[layout.coefficients][: len(surface.coefficients)] = np.array(surface.coefficients, float)

@@ -17,7 +17,7 @@ from lenstrace.sequential.reference_layout import layout_of
 from lenstrace.sequential.reference_surface import surfaces_of_system
 
 PRECISIONS = ("float32", "float64")
-LAUNCHED, GRADIENT = 4.0, 80.0  # what right ones keep to
+LAUNCHED, GRADIENT = 4.0, 16.0  # what right ones keep to, derivatives for each surface crossed
 CASES = {case.name: case for case in cases()}
 
 
@@ -89,16 +89,18 @@ def test_the_judgement_sees_a_wrong_derivative(name: str, precision: str) -> Non
         assert found is not None
         return found
 
-    assert error(slopes) <= GRADIENT
-    layout = layout_of(surfaces)
-    for result in (0, 1, 3, 4, 5, 6):
-        for place in (0, 1, *layout.media(0), layout.places(0)[layout.curvature], layout.places(1)[layout.gap]):
+    limit, layout = GRADIENT * len(surfaces), layout_of(surfaces)
+    assert error(slopes) <= limit
+    places = [layout.places(0)[layout.curvature], 0, 1, *layout.media(0), layout.places(1)[layout.gap]]
+    long = len(surfaces) > 20  # the judge takes seconds
+    for result in (1,) if long else (0, 1, 3, 4, 5, 6):
+        for place in places[:1] if long else places:
             if abs(row.slopes[result, place]) > 1e-2 * row.sizes[result, place]:
                 wrong = slopes.copy()
                 wrong[result, place] *= 1.2
-                assert error(wrong) > GRADIENT
+                assert error(wrong) > limit
     if by_launch is not None:
         for place in range(4):
             wrong = by_launch.copy()
             wrong[:, place] *= 1.2
-            assert error(slopes, wrong) > GRADIENT
+            assert error(slopes, wrong) > limit

@@ -13,7 +13,7 @@ from lenstrace.analysis.extremes import Errors, extremes, judged
 MOST = 16.0  # C for each surface crossed; and for a whole lens of up to 20 surfaces
 SHORT = 20
 LAUNCHED = 4.0
-GRADIENT = 80.0  # of derivatives: within a surface terms cancel too, most of all in float32 where it is nearly flat
+GRADIENT = 16.0  # of derivatives, for each surface crossed
 PRECISIONS = ("float32", "float64")
 CASES = {case.name: case for case in cases()}
 
@@ -30,7 +30,7 @@ def test_the_named_extremes(name: str) -> None:
         assert errors.launch <= LAUNCHED
         # at a rim and a tangency a derivative may be infinite
         assert errors.gradients > 0 or "rim" in name or "tangent" in name
-        assert errors.gradient is None or errors.gradient <= GRADIENT
+        assert errors.gradient is None or errors.gradient <= GRADIENT * found.surfaces
     assert found.exact is not False
     assert (found.exact is None) == (not CASES[name].scales and not CASES[name].afocal)
 
