@@ -46,3 +46,16 @@ def test_first_order_and_rays_in_single_precision(designs: dict[str, Lens]) -> N
 def test_other_precisions_are_refused(designs: dict[str, Lens]) -> None:
     with pytest.raises(lenstrace.PrescriptionError, match="float16"):
         designs["tessar"].astype(jnp.float16)
+
+
+def test_gradients_in_single_precision(designs: dict[str, Lens]) -> None:
+    def slopes(lens: Lens) -> np.ndarray:
+        def merit(curvature: jax.Array) -> jax.Array:
+            return lenstrace.mean_square_spot(lens.replace(curvature=curvature)).sum()
+
+        return np.asarray(jax.grad(merit)(jnp.asarray(lens.curvature)), float)
+
+    double = designs["double_gauss"]
+    expected = slopes(double)
+    # of the largest; single figures near a minimum may be worse
+    assert np.abs(slopes(double.astype("float32")) - expected).max() < 3e-4 * np.abs(expected).max()

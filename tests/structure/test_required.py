@@ -88,7 +88,7 @@ def test_numbers_that_do_not_matter_are_not_in_the_program(plain: Counter[str]) 
 
 
 def test_a_spot_traces_its_wavelengths_in_one_loop() -> None:
-    """Of one wavelength or of three, the program has the trace once; and no optical path."""
+    """Of one wavelength or of three, the program has the trace once."""
 
     def spot(lens: Lens) -> Counter[str]:
         program = jax.jit(lambda c: lenstrace.spots(lens.replace(curvature=c), rings=2).rms_centroid)
