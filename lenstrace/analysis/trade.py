@@ -10,8 +10,8 @@ import numpy as np
 
 from lenstrace.accuracy.trade import Progress, Setting, Trade
 from lenstrace.accuracy.trade import trade as trade_settings
-from lenstrace.analysis.pupil_settings import opd_settings, opd_truth, spot_settings, spot_truth
-from lenstrace.analysis.ray_settings import chief_settings, chief_truth, focal_settings, focal_truth
+from lenstrace.analysis.settings.pupil import opd_settings, opd_truth, spot_settings, spot_truth
+from lenstrace.analysis.settings.rays import chief_settings, chief_truth, focal_settings, focal_truth
 from lenstrace.errors import AccuracyError
 from lenstrace.sequential.document import Fields
 from lenstrace.sequential.lens import Lens

@@ -13,7 +13,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from lenstrace.accuracy.trade import Outcome
 from lenstrace.accuracy.trade import Progress as Report
-from lenstrace.analysis.extremes import Extreme, extremes
+from lenstrace.analysis.extremes.judging import Extreme, extremes
 from lenstrace.analysis.trade import QUANTITIES, LensTrade, trade
 from lenstrace.cli.output import number_text, print_json, print_table
 from lenstrace.errors import AccuracyError

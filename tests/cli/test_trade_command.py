@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from lenstrace.__main__ import main
-from lenstrace.analysis.extreme_cases import cases
-from lenstrace.analysis.extremes import judged
+from lenstrace.analysis.extremes.cases import cases
+from lenstrace.analysis.extremes.judging import judged
 from lenstrace.cli import trade
 
 DESIGNS = Path(__file__).parents[2] / "designs"

@@ -7,12 +7,12 @@ import pytest
 
 import lenstrace
 from lenstrace import RayStatus
-from lenstrace.analysis.extreme_cases import cases
-from lenstrace.analysis.extreme_errors import backward_error, course_of, judged_fate
-from lenstrace.analysis.extreme_gradients import gradient_error
-from lenstrace.analysis.extreme_launch import judged_launch, launch_error
-from lenstrace.analysis.extreme_lenses import Trial, made
-from lenstrace.analysis.extreme_slopes import slopes_by_launch, slopes_by_numbers
+from lenstrace.analysis.extremes.cases import cases
+from lenstrace.analysis.extremes.errors import backward_error, course_of, judged_fate
+from lenstrace.analysis.extremes.gradients import gradient_error
+from lenstrace.analysis.extremes.launch import judged_launch, launch_error
+from lenstrace.analysis.extremes.lenses import Trial, made
+from lenstrace.analysis.extremes.slopes import slopes_by_launch, slopes_by_numbers
 from lenstrace.sequential.reference_layout import layout_of
 from lenstrace.sequential.reference_surface import surfaces_of_system
 

@@ -18,8 +18,8 @@ from hypothesis import strategies as st
 
 import lenstrace
 from lenstrace import Lens
-from lenstrace.analysis.extreme_errors import backward_error, course_of, judged_fate
-from lenstrace.analysis.extreme_lenses import made
+from lenstrace.analysis.extremes.errors import backward_error, course_of, judged_fate
+from lenstrace.analysis.extremes.lenses import made
 from lenstrace.sequential.reference_surface import surfaces_of_system
 
 MOST = 16.0  # C for each surface crossed

@@ -7,8 +7,8 @@ import pytest
 
 import lenstrace
 from lenstrace import RayStatus
-from lenstrace.analysis.extreme_cases import cases
-from lenstrace.analysis.extremes import Errors, extremes, judged
+from lenstrace.analysis.extremes.cases import cases
+from lenstrace.analysis.extremes.judging import Errors, extremes, judged
 
 MOST = 16.0  # C for each surface crossed; and for a whole lens of up to 20 surfaces
 SHORT = 20

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from lenstrace.analysis.extreme_rays import bundle, over_pupil
+from lenstrace.analysis.extremes.rays import bundle, over_pupil
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.prescription import lens as lens_of
 

@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from lenstrace.analysis.conditions import with_pupil
-from lenstrace.analysis.extreme_errors import BACKWARD
+from lenstrace.analysis.extremes.errors import BACKWARD
 from lenstrace.optics.rays import Ray
 from lenstrace.sequential.launch import Front, launch
 from lenstrace.sequential.lens import Lens

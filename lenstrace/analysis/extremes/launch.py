@@ -14,8 +14,8 @@ from typing import Any
 import jax
 import numpy as np
 
-from lenstrace.analysis.extreme_errors import worst_ratio
-from lenstrace.analysis.extreme_moves import DIGITS
+from lenstrace.analysis.extremes.errors import worst_ratio
+from lenstrace.analysis.extremes.moves import DIGITS
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.reference_launch import reference_launch
 from lenstrace.sequential.reference_surface import Vector, exact, mp

@@ -14,11 +14,11 @@ from lenstrace.accuracy.trade import Setting
 from lenstrace.analysis.arrivals import Asked, arriving, launch_points
 from lenstrace.analysis.conditions import with_image, with_pupil
 from lenstrace.analysis.image_rays import ImageRays, image_rays
-from lenstrace.analysis.model_settings import PRECISIONS, model_settings
 from lenstrace.analysis.path_difference import Sphere, differences
 from lenstrace.analysis.predictions import predicted_spot, predicted_wavefront
 from lenstrace.analysis.pupil_rules import RulePair, open_pupil, whole_pupil
-from lenstrace.analysis.samplings import Sampling, newton_sampling, newton_steps, samplings
+from lenstrace.analysis.settings.models import PRECISIONS, model_settings
+from lenstrace.analysis.settings.samplings import Sampling, newton_sampling, newton_steps, samplings
 from lenstrace.analysis.spot_accuracy import LADDER, accurate_spots
 from lenstrace.analysis.spot_figures import place
 from lenstrace.analysis.symmetry import has_apertures

@@ -6,7 +6,7 @@ An error of d result / d number is taken as a multiple of
 
 over a group of like numbers (all curvatures, all gaps, ...), each result by itself. What is added up are the `sizes` of
 `ConditionedRow`: absolute terms, and components of a point or of a direction are known to the same size, as they are
-in `extreme_errors`. Lengths count in units of the largest that the ray has met.
+in `errors`. Lengths count in units of the largest that the ray has met.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from lenstrace.analysis.extreme_errors import course_of
-from lenstrace.analysis.extreme_launch import JudgedLaunch
-from lenstrace.analysis.extreme_moves import moved
+from lenstrace.analysis.extremes.errors import course_of
+from lenstrace.analysis.extremes.launch import JudgedLaunch
+from lenstrace.analysis.extremes.moves import moved
 from lenstrace.sequential.reference_conditions import ConditionedRow
 from lenstrace.sequential.reference_layout import Layout, layout_of
 from lenstrace.sequential.reference_surface import ReferenceSurface

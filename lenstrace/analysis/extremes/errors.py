@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from lenstrace.analysis.extreme_moves import DIGITS, moved
+from lenstrace.analysis.extremes.moves import DIGITS, moved
 from lenstrace.optics.rays import RayStatus, split_failure
 from lenstrace.sequential.reference import State, course_through
 from lenstrace.sequential.reference_conditions import ConditionedRow, conditioned_trace

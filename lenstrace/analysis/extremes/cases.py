@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from lenstrace.analysis.extreme_lenses import (
+from lenstrace.analysis.extremes.lenses import (
     Case,
     Keys,
     Trial,
@@ -18,7 +18,7 @@ from lenstrace.analysis.extreme_lenses import (
     scaled_lenses,
     things_at_infinity,
 )
-from lenstrace.analysis.extreme_rays import (
+from lenstrace.analysis.extremes.rays import (
     at_heights,
     bent_to_the_rim,
     bundle,

@@ -14,10 +14,10 @@ from lenstrace.accuracy.trade import Setting
 from lenstrace.analysis.arrivals import Asked, arriving, launch_points
 from lenstrace.analysis.cardinal import first_order
 from lenstrace.analysis.conditions import conditions_of, with_pupil
-from lenstrace.analysis.model_settings import PRECISIONS, model_settings
 from lenstrace.analysis.predictions import predicted_chief
 from lenstrace.analysis.rays import trace
-from lenstrace.analysis.samplings import newton_steps
+from lenstrace.analysis.settings.models import PRECISIONS, model_settings
+from lenstrace.analysis.settings.samplings import newton_steps
 from lenstrace.analysis.spot_figures import place
 from lenstrace.compute.compiled import COMPILER_OPTIONS
 from lenstrace.optics.rays import Ray, living

@@ -1,8 +1,7 @@
 """The tracer at the extremes: its error in units of eps, a backward error, against the judge.
 
-In float32 the judge gets the float32 numbers. C and its scale: see `extreme_errors`, `extreme_launch` and
-`extreme_gradients`; the bound to hold is 16 for each
-surface crossed.
+In float32 the judge gets the float32 numbers. C and its scale: see `errors`, `launch` and `gradients`; the bound to
+hold is 16 for each surface crossed.
 """
 
 from __future__ import annotations
@@ -14,12 +13,12 @@ import jax
 import numpy as np
 
 from lenstrace.analysis.cardinal import first_order
-from lenstrace.analysis.extreme_cases import cases
-from lenstrace.analysis.extreme_errors import backward_error, course_of, judged_fate
-from lenstrace.analysis.extreme_gradients import gradient_error
-from lenstrace.analysis.extreme_launch import JudgedLaunch, judged_launch, launch_error
-from lenstrace.analysis.extreme_lenses import Case, Trial
-from lenstrace.analysis.extreme_slopes import slopes_by_launch, slopes_by_numbers
+from lenstrace.analysis.extremes.cases import cases
+from lenstrace.analysis.extremes.errors import backward_error, course_of, judged_fate
+from lenstrace.analysis.extremes.gradients import gradient_error
+from lenstrace.analysis.extremes.launch import JudgedLaunch, judged_launch, launch_error
+from lenstrace.analysis.extremes.lenses import Case, Trial
+from lenstrace.analysis.extremes.slopes import slopes_by_launch, slopes_by_numbers
 from lenstrace.analysis.rays import ray, trace
 from lenstrace.optics.rays import Ray
 from lenstrace.sequential.lens import Lens
@@ -40,7 +39,7 @@ class Errors:
     finite:            all results are finite, those of lost rays included.
     gradients_finite:  so are the derivatives of the results by every number of ray and lens.
     gradient:          worst error of the derivatives of a ray that arrives, by all numbers of ray and lens, and by
-                       field and pupil if it is launched: see `extreme_gradients`; None where none is judged.
+                       field and pupil if it is launched: see `gradients`; None where none is judged.
     gradients:         of how many rays the derivatives are judged: of all that arrive, and still do where numbers are
                        moved by an eps.
     """
