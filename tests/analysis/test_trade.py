@@ -10,8 +10,8 @@ import pytest
 import lenstrace
 from lenstrace import Lens
 from lenstrace.accuracy.trade import Outcome
-from lenstrace.analysis import samplings
 from lenstrace.analysis.predictions import predicted_chief, predicted_spot, predicted_wavefront
+from lenstrace.analysis.settings import samplings
 from lenstrace.analysis.settings.rays import chief_truth, focal_truth
 from lenstrace.analysis.trade import LensTrade, trade
 
