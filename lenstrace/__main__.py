@@ -16,16 +16,30 @@ COMMANDS = (
     *("report", "spots", "trace", "draw", "seidel", "fans", "field", "wavefront", "psf", "mtf", "focus", "sheet"),
     "trade",
 )
-USAGE_ERROR = 2
+USAGE_ERROR, INTERRUPTED = 2, 130
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run a command; 0, or 2 after one line on standard error that says what is wrong."""
+    """Run a command; 0, 2 after one line on standard error that says what is wrong, or 130 after Ctrl-C."""
     parser = _OneLineParser(
         prog="lenstrace",
         description="Trace lenses: first-order figures, rays, spots, aberrations, wavefronts, diffraction, drawings.",
     )
     parser.add_argument("--version", action="version", version=f"lenstrace {__version__}")
+    try:
+        return _run(parser, arguments)
+    except LensTraceError as error:
+        print(f"lenstrace: {' '.join(str(error).split())}", file=sys.stderr)
+        return USAGE_ERROR
+    except BrokenPipeError:
+        sys.stderr.close()
+        return 0
+    except KeyboardInterrupt:
+        print("lenstrace: interrupted", file=sys.stderr)
+        return INTERRUPTED
+
+
+def _run(parser: argparse.ArgumentParser, arguments: Sequence[str] | None) -> int:
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     words = [_as_value(each) for each in (sys.argv[1:] if arguments is None else arguments)]
     # only the command that is asked for is imported; all of them where it is their list that is asked for
@@ -33,16 +47,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         importlib.import_module(f"lenstrace.cli.{name}").add_parser(commands)
     parsed = parser.parse_args(words)
     keep_compiled_programs()
-    try:
-        parsed.run(parsed)
-    except LensTraceError as error:
-        print(f"lenstrace: {' '.join(str(error).split())}", file=sys.stderr)
-        return USAGE_ERROR
-    except BrokenPipeError:
-        sys.stderr.close()
-    except KeyboardInterrupt:
-        print("lenstrace: interrupted", file=sys.stderr)
-        return 130
+    parsed.run(parsed)
     return 0
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -44,7 +44,8 @@ class Outcome:
     error:           |value - truth|.         relative_error: over |truth|; inf where the truth is 0 and the value not.
     seconds:         median of repeated calls, compiled before.
     first_seconds:   of the first call beyond that: compilation.
-    pareto:          no other setting is as fast and more accurate, or as accurate and faster.
+    pareto:          no other setting is as fast and more accurate, or as accurate and faster; errors below the floor
+                     count as equal.
     """
 
     setting: Setting
@@ -82,7 +83,7 @@ class Trade:
 
 def trade(
     question: Callable[[Any], Any],
-    settings: Sequence[Setting],
+    settings: Iterable[Setting],
     truth: float,
     *,
     tolerance: float | None = None,
@@ -96,10 +97,11 @@ def trade(
     truth:      the number itself, from a source that can be trusted.
     tolerance:  relative error allowed.        floor: absolute error that is allowed in any case: rounding.
     progress:   called with the number of settings asked so far, and of all.
-    Ctrl-C ends it early, with what has been found. AccuracyError for a tolerance that is not positive, for names that
-    are not unique, or without any setting.
+    Ctrl-C ends it early, with what has been found. AccuracyError for a truth or a floor that is not finite, a tolerance
+    that is not positive, for names that are not unique, or without any setting.
     """
-    _check(settings, tolerance, rounds)
+    settings = list(settings)
+    _check(settings, truth, tolerance, floor, rounds)
     asked: list[tuple[Setting, float, float, list[float]]] = []
     complete = False
     try:
@@ -119,7 +121,7 @@ def trade(
             raise
     seconds = [float(np.median(warm)) for *_, warm in asked]
     errors = [abs(value - truth) for _, value, _, _ in asked]
-    best = _front(seconds, errors)
+    best = _front(seconds, [max(error, floor) for error in errors])
     outcomes = tuple(
         Outcome(setting, value, error, _relative(error, truth), second, first, i in best)
         for i, ((setting, value, first, _), second, error) in enumerate(zip(asked, seconds, errors, strict=True))
@@ -158,11 +160,15 @@ def _relative(error: float, truth: float) -> float:
     return 0.0 if error == 0 else math.inf if error > 0 else math.nan
 
 
-def _check(settings: Sequence[Setting], tolerance: float | None, rounds: int) -> None:
+def _check(settings: Sequence[Setting], truth: float, tolerance: float | None, floor: float, rounds: int) -> None:
+    if not math.isfinite(truth):
+        raise AccuracyError(f"the truth must be a finite number, got {truth!r}")
+    if not 0 <= floor < math.inf:
+        raise AccuracyError(f"the floor must be 0 or a positive number, got {floor!r}")
     if tolerance is not None:
         check_tolerance(tolerance)
-    if rounds < 1:
-        raise AccuracyError(f"rounds must be at least 1, got {rounds!r}")
+    if isinstance(rounds, bool) or not isinstance(rounds, int) or rounds < 1:
+        raise AccuracyError(f"rounds must be a whole number, at least 1, got {rounds!r}")
     names = [setting.name for setting in settings]
     if not names:
         raise AccuracyError("a trade needs at least one setting")

@@ -22,7 +22,7 @@ from lenstrace.sequential.launch import Front
 from lenstrace.sequential.sampling import ON_AXIS, SPOKES, radial_rule, rim_rule, spoke_turns
 
 # Steps along a spoke in which an edge of an opening is looked for: what is narrower may be overlooked.
-TRIED = 32
+TRIED = 256
 # Spokes whose edges are looked for by one call.
 AT_ONCE = 64
 # Of the radius: how far inside an opening its outermost rays stay, so that rounding does not lose them.

@@ -12,7 +12,7 @@ import numpy as np
 from lenstrace.accuracy.convergence import Answer, check_tolerance, converge
 from lenstrace.analysis.arrivals import Asked, arrivals
 from lenstrace.analysis.conditions import with_image
-from lenstrace.analysis.pupil_rules import RulePair, open_pupil, right_half, whole_pupil
+from lenstrace.analysis.pupil_rules import TRIED, RulePair, open_pupil, right_half, whole_pupil
 from lenstrace.analysis.spot_figures import SpotErrors, Spots, figures, place
 from lenstrace.analysis.symmetry import has_apertures, is_mirrored
 from lenstrace.compute.padding import padded, padded_count
@@ -26,6 +26,8 @@ from lenstrace.sequential.system import System
 ROUNDING = 0.25
 # Numbers of rings: 4 r^2 and 8 r^2 points lie just below 64, 256, 1024, ..., see `padded`.
 LADDER = (2, 3, 4, 5, 7, 10, 12, 15, 20, 24, 30, 40, 48, 60)
+# Where apertures may cut the pupil no fewer: what lies between two spokes is not seen.
+FEWEST_CUT = 5
 
 # Rays of a spot: x, y, failure, (W, F, 1 + N), and the pair of rules for the N others.
 Rays = tuple[tuple[np.ndarray, np.ndarray, np.ndarray], RulePair]
@@ -35,7 +37,8 @@ def accurate_spots(lens: Lens, tolerance: float, ladder: Sequence[int] = LADDER)
     """The spots of a lens with every RMS about a centroid within a relative error of the integral over the open pupil.
 
     Rays go to the two rules of `pupil_rules` with the rings of a ladder, more and more, until the rules agree; the
-    figures are of both together. Rounding, less than a quarter eps of the length of the lens, is part of the estimates.
+    figures are of both together. What apertures hide or open between two spokes, or within less than 1/256 of the
+    radius, may be overlooked. Rounding, less than a quarter eps of the length of the lens, is part of the estimates.
     AccuracyError while JAX traces the lens, else as `spots`.
     """
     check_tolerance(tolerance)
@@ -48,7 +51,8 @@ def accurate_spots(lens: Lens, tolerance: float, ladder: Sequence[int] = LADDER)
     asked = _Ladder(lens, system, front, mirrored=is_mirrored(lens), cut=has_apertures(system))
     dtype = system.curvature.dtype
     floor = ROUNDING * float(np.finfo(dtype).eps) * float(np.abs(system.thickness).sum())
-    found = converge(asked.answer, ladder, tolerance, floor)
+    steps = [rings for rings in ladder if rings >= FEWEST_CUT] if asked.cut else ladder
+    found = converge(asked.answer, steps, tolerance, floor)
     arrived, pair = found.found
     weight = (pair.first + pair.second) * (pair.first.shape[-1] / 2)
     result = _figures(arrived, weight.astype(dtype), system)
@@ -98,14 +102,14 @@ class _Ladder:
 
     def _open(self, rings: int) -> Rays:
         pair = open_pupil(self.front, self.system.index, self.system.fields, rings)
-        closed = np.argwhere(pair.second.sum(-1) == 0)
+        closed = np.argwhere((pair.first + pair.second).sum(-1) == 0)
         if len(closed):
             wave, field = map(int, closed[0])
             fields = self.lens.fields
             raise LostRaysError(
                 f"field ({float(fields.x[field]):g}, {float(fields.y[field]):g}) {fields.unit} at "
-                f"{self.lens.wavelengths.um[wave]:g} um: no part of the pupil is open; check the apertures, or reduce "
-                "the field or the pupil"
+                f"{self.lens.wavelengths.um[wave]:g} um: no opening of the pupil was found (steps of 1/{TRIED} of its "
+                "radius); check the apertures, or reduce the field or the pupil"
             )
         x, y, failure = self._sent(pair)
         alive = failure[..., 1:] == 0
@@ -143,10 +147,12 @@ def _compared(
     """
     x, y = (np.asarray(a[..., 1:], float) for a in arrived[:2])
     by_rule = [_variances(x, y, rule, weights) for rule in (pair.first, pair.second, pair.first + pair.second)]
+    # where one rule has met no opening they are not to be compared
+    seen = np.logical_and(*(np.broadcast_to(rule.sum(-1) > 0, x.shape[:2]).T for rule in (pair.first, pair.second)))
     values, differences = [], []
-    for first, second, both in zip(*by_rule, strict=True):
+    for first, second, both, known in zip(*by_rule, (seen, seen.all(1, keepdims=True)), strict=True):
         rms = np.sqrt(both.sum(0))
-        apart = np.abs(first - second).sum(0)
+        apart = np.where(known, np.abs(first - second).sum(0), np.inf)
         # of a perfect spot the variances differ by rounding alone
         relative = np.divide(apart, 2 * rms * rms, out=np.zeros_like(rms), where=rms > 0).max(-1, keepdims=True)
         values.append(rms.ravel())
@@ -156,13 +162,14 @@ def _compared(
 
 def _variances(x: np.ndarray, y: np.ndarray, rule: np.ndarray, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Along x and y: of each field and wavelength (2, F, W), and of each field, wavelengths pooled, (2, F, 1)."""
-    share = np.broadcast_to(rule, x.shape) / np.asarray(rule.sum(-1))[..., None]
+    total = np.asarray(rule.sum(-1))
+    share = np.broadcast_to(rule, x.shape) / np.where(total > 0, total, 1)[..., None]
     places = np.stack([x, y])
     centres = (share * places).sum(-1)
     each = (share * (places - centres[..., None]) ** 2).sum(-1)
     # a field's rays weigh what their part of the pupil is
     part = weights[:, None] * np.broadcast_to(rule.sum(-1), x.shape[:2] if rule.ndim == 3 else (len(weights), 1))
-    part = part / part.sum(0)
+    part = part / np.where(part.sum(0) > 0, part.sum(0), 1)
     middle = (part * centres).sum(1, keepdims=True)
     pooled = (part * (each + (centres - middle) ** 2)).sum(1)
     return np.swapaxes(each, 1, 2), pooled[..., None]

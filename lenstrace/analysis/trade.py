@@ -8,11 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from lenstrace.accuracy.convergence import check_tolerance
 from lenstrace.accuracy.trade import Progress, Setting, Trade
 from lenstrace.accuracy.trade import trade as trade_settings
 from lenstrace.analysis.settings.pupil import opd_settings, opd_truth, spot_settings, spot_truth
 from lenstrace.analysis.settings.rays import chief_settings, chief_truth, focal_settings, focal_truth
-from lenstrace.errors import AccuracyError
+from lenstrace.errors import AccuracyError, RayError
 from lenstrace.sequential.document import Fields
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.rules import check_field
@@ -95,6 +96,8 @@ def trade(
         raise AccuracyError(f"unknown quantity {quantity!r}; one of {', '.join(QUANTITIES)}")
     if quantity == "focal_length" and field is not None:
         raise AccuracyError("a focal length has no field: it is of rays near the axis; leave the field out")
+    if tolerance is not None:
+        check_tolerance(tolerance)
     question = QUANTITIES[quantity]
     place = _field(lens, field)
     one = lens.replace(fields=Fields((place[0],), (place[1],), lens.fields.kind))
@@ -113,9 +116,12 @@ def _answer(how: Callable[[], Any]) -> Any:
 def _field(lens: Lens, field: float | tuple[float, float] | None) -> tuple[float, float]:
     """The field asked for, else the one farthest from the axis."""
     if field is not None:
-        x, y = field if isinstance(field, tuple) else (0.0, field)
-        check_field(lens, np.asarray(x, float), np.asarray(y, float))
-        return float(x), float(y)
+        try:
+            x, y = map(float, field if isinstance(field, tuple) else (0.0, field))
+        except (TypeError, ValueError):
+            raise RayError(f"field must be a number y or a pair (x, y), got {field!r}") from None
+        check_field(lens, np.asarray(x), np.asarray(y))
+        return x, y
     x, y = np.asarray(lens.fields.x, float), np.asarray(lens.fields.y, float)
     farthest = int(np.argmax(np.hypot(x, y)))
     return float(x[farthest]), float(y[farthest])

@@ -18,7 +18,7 @@ from lenstrace.analysis.trade import QUANTITIES, LensTrade, trade
 from lenstrace.cli.output import number_text, print_json, print_table
 from lenstrace.errors import AccuracyError
 from lenstrace.io.native import load
-from lenstrace.plotting.files import check_format, save_figure
+from lenstrace.plotting.files import check_target, save_figure
 from lenstrace.plotting.trade import trade_figure
 
 
@@ -49,7 +49,7 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.design is None:
         raise AccuracyError("trade needs a DESIGN, a prescription in TOML; or --extremes")
     if arguments.plot:
-        check_format(arguments.plot)
+        check_target(arguments.plot)
     lens = load(arguments.design)
     with _bar("settings") as report:
         found = trade(
@@ -60,12 +60,18 @@ def run(arguments: argparse.Namespace) -> None:
         save_figure(trade_figure(found, lens.name or arguments.design, lens.fields.unit), arguments.plot)
     if arguments.json:
         print_json(trade_keys(found))
-        return
+    else:
+        _print(found, title)
+        if arguments.plot:
+            print(f"wrote {arguments.plot}")
+    if not found.trade.complete:
+        raise KeyboardInterrupt  # what was found by then has been printed
+
+
+def _print(found: LensTrade, title: str) -> None:
     print_table(title, *_rows(found.trade.outcomes, found.unit))
     print_table("No other setting is both faster and more accurate", *_rows(found.trade.front, found.unit))
     print("\n".join(_remarks(found)))
-    if arguments.plot:
-        print(f"wrote {arguments.plot}")
 
 
 def trade_keys(found: LensTrade) -> dict[str, Any]:
@@ -123,12 +129,16 @@ def _remarks(found: LensTrade) -> Iterator[str]:
         yield "interrupted: not all settings were asked and timed"
     if trade.tolerance is None:
         return
+    if trade.chosen is None and not trade.complete:
+        yield f"no setting asked so far has a relative error of at most {trade.tolerance:g}"
+        return
     if trade.chosen is None:
         yield f"no setting has a relative error of at most {trade.tolerance:g}"
         return
     chosen = trade.chosen
+    within = ", or of rounding" if chosen.relative_error > trade.tolerance else ""
     yield (
-        f"fastest within a relative error of {trade.tolerance:g}: {chosen.setting.name}, "
+        f"fastest within a relative error of {trade.tolerance:g}{within}: {chosen.setting.name}, "
         f"{chosen.seconds * 1e3:.3f} ms, relative error {chosen.relative_error:.1e}"
     )
 

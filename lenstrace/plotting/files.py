@@ -41,3 +41,11 @@ def check_format(path: str | os.PathLike[str]) -> str:
         got = f"got {suffix!r}" if kind else "got none"
         raise LensTraceError(f"{path}: the suffix must be one of {', '.join(FORMATS)}, {got}")
     return kind
+
+
+def check_target(path: str | os.PathLike[str]) -> None:
+    """`check_format`, and LensTraceError where there is no folder to write to. To ask before a long computation."""
+    check_format(path)
+    folder = Path(path).resolve().parent
+    if not (folder.is_dir() and os.access(folder, os.W_OK)):
+        raise LensTraceError(f"{path}: cannot be written: {folder} is not a folder that can be written to")

@@ -31,8 +31,8 @@ class ConditionedRow(NamedTuple):
     status:     what became of the ray here.
     slopes:     (7, I), derivatives of the values by all numbers, in the order of `Layout`; nan from where
                 one is not finite.
-    sizes:      (7, I), the slopes if no term of the chain rule cancelled another, and all components of a point, and
-                of a direction, were as large as the largest: what rounding of the chain is relative to.
+    sizes:      (7, I), of the last row alone: the largest that rounding of the slopes at one surface, to their size
+                there, makes of those here; all components of a point, and of a direction, count as the largest.
     condition:  (7,), sum of |slope| |number|; inf there.
     length:     mm, the largest |coordinate| or |gap| that the ray has met so far.
     """
@@ -40,7 +40,7 @@ class ConditionedRow(NamedTuple):
     values: tuple[Number, ...]
     status: RayStatus
     slopes: np.ndarray
-    sizes: np.ndarray
+    sizes: np.ndarray | None
     condition: np.ndarray
     length: float
 
@@ -62,34 +62,32 @@ def conditioned_trace(
         along = state.direction.astype(float)
         slopes[3:6, layout.direction] = (np.eye(3) - np.outer(along, along)) / float(mp.sqrt(given @ given))
         length = max(map(abs, state.point.astype(float)))
-        sizes = _evened(np.abs(slopes))
-        rows = [_row(state, RayStatus.OK, slopes, sizes, numbers, length)]
+        chain = [(np.eye(RESULTS), _evened(np.abs(slopes)))]
+        rows = [_row(state, RayStatus.OK, slopes, numbers, length)]
         for i, surface in enumerate(surfaces):
             step = crossed(surface, state)
             if step.distance is None or step.status is RayStatus.TIR:
-                none = np.full_like(slopes, np.nan)
-                rows.append(_row(step.here, step.status, none, none, numbers, length))
-                break
+                rows.append(_row(step.here, step.status, np.full_like(slopes, np.nan), numbers, length))
+                return rows
             here, onward = _slopes_of(surface, state, step)
             length = max(length, abs(float(surface.gap)), *map(abs, step.here.point.astype(float)))
             places = _places(i, surface, layout)
-            chained = _chained(here, slopes, places), _evened(_chained(np.abs(here), sizes, places))
-            rows.append(_row(step.here, step.status, *chained, numbers, length))
-            slopes, sizes = _chained(onward, slopes, places), _evened(_chained(np.abs(onward), sizes, places))
-            state = step.onward
+            rows.append(_row(step.here, step.status, _chained(here, slopes, places), numbers, length))
+            last = here if i == len(surfaces) - 1 else onward
+            chain.append((last[:, :RESULTS], _evened(_chained(np.abs(last), np.abs(slopes), places))))
+            slopes, state = _chained(onward, slopes, places), step.onward
+        rows[-1] = rows[-1]._replace(sizes=_rounded(chain))
         return rows
 
 
-def _row(
-    state: State, status: RayStatus, slopes: np.ndarray, sizes: np.ndarray, numbers: np.ndarray, length: float
-) -> ConditionedRow:
+def _row(state: State, status: RayStatus, slopes: np.ndarray, numbers: np.ndarray, length: float) -> ConditionedRow:
     with np.errstate(over="ignore", invalid="ignore"):
         condition = np.abs(slopes) @ numbers
     return ConditionedRow(
         (*state.point, *state.direction, state.opl),
         status,
         slopes,
-        sizes,
+        None,
         np.where(np.isnan(condition), np.inf, condition),
         length,
     )
@@ -123,6 +121,16 @@ def _evened(sizes: np.ndarray) -> np.ndarray:
     """(7, I): each component as large as the largest of its point or direction."""
     vectors = sizes[:6].reshape(2, 3, -1)
     return np.concatenate([np.broadcast_to(vectors.max(1, keepdims=True), vectors.shape).reshape(6, -1), sizes[6:]])
+
+
+def _rounded(chain: list[tuple[np.ndarray, np.ndarray]]) -> np.ndarray:
+    """(7, I), the largest at the end of all sizes (7, I) that arise along a chain of slopes (7, 7)."""
+    behind, sizes = np.eye(RESULTS), np.zeros_like(chain[0][1])
+    with np.errstate(over="ignore", invalid="ignore"):
+        for slopes, here in reversed(chain):
+            sizes = np.maximum(sizes, np.abs(behind) @ here)
+            behind = behind @ slopes
+    return sizes
 
 
 def _slopes_of(surface: ReferenceSurface, state: State, step: Step) -> tuple[np.ndarray, np.ndarray]:

@@ -144,6 +144,23 @@ def test_several_openings_on_a_spoke_lose_no_rays() -> None:
         assert abs(float(found.rms_centroid[0, 0]) - truth) < float(found.error.rms_centroid[0, 0])
 
 
+def test_a_thin_ring_that_is_not_centred() -> None:
+    first = {"thickness": 50.0, "stop": True}
+    ring = {"thickness": 50.0, "aperture": {"annulus": [9.4, 9.5]}, "decenter": [0.0, 2.0]}
+    mirror = {"radius": -200.0, "conic": -1.0, "thickness": -100.0 + DEFOCUS, "mirror": True}
+    lens = lenstrace.lens([first, ring, mirror], {"entrance_pupil_diameter": 40.0}, [0.0], [0.55])
+    area = np.pi * (9.5**2 - 9.4**2)
+    square, centre = (
+        (disk_integral(0.0, 2.0, 9.5, first=about) - disk_integral(0.0, 2.0, 9.4, first=about)) / area
+        for about in (False, True)
+    )
+    found = lenstrace.spots(lens, tolerance=1e-2)
+    assert found.error is not None
+    assert abs(float(found.rms_centroid[0, 0]) - np.sqrt(square - centre**2)) < float(found.error.rms_centroid[0, 0])
+    assert found.error.reached
+    assert float(found.error.open[0, 0]) == pytest.approx(area / (np.pi * 400), rel=1e-2)
+
+
 def disk_integral(x: float, y: float, radius: float, *, first: bool = False) -> float:
     """Over a disk of the pupil, mm: of `cone` squared, or of its component along y."""
     r, weight = np.polynomial.legendre.leggauss(64)
@@ -163,7 +180,7 @@ def test_what_cannot_be_asked(designs: dict[str, Lens]) -> None:
     with pytest.raises(lenstrace.AccuracyError, match="JAX is tracing"):
         jax.eval_shape(lambda c: lenstrace.spots(lens.replace(curvature=c), tolerance=1e-3), lens.curvature)
     closed = ideal(aperture={"obscuration": 30.0})
-    with pytest.raises(lenstrace.LostRaysError, match="no part of the pupil is open"):
+    with pytest.raises(lenstrace.LostRaysError, match="no opening of the pupil was found"):
         lenstrace.spots(closed, tolerance=1e-3)
 
 

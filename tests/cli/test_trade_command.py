@@ -70,6 +70,7 @@ def test_spots_within_a_tolerance(capsys: pytest.CaptureFixture[str]) -> None:
         (["trade", GAUSS, "--extremes"], "leave out design"),
         (["trade", "--extremes", "--quantity", "opd"], "leave out quantity"),
         (["trade", GAUSS, "--quantity", "focal_length", "--field", "7"], "a focal length has no field"),
+        (["trade", GAUSS, "--plot", "/nowhere/trade.png"], "/nowhere is not a folder that can be written to"),
         (["trade", GAUSS, "--plot", "trade.gif"], "the suffix must be one of png, pdf, svg, got '.gif'"),
         (["trade", GAUSS, "--quantity", "chief_height", "--tolerance", "0"], "tolerance must be a positive number"),
         (["spots", GAUSS, "--tolerance", "1e-3", "--rings", "3"], "--tolerance chooses the rays by itself"),

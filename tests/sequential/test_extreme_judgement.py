@@ -17,7 +17,7 @@ from lenstrace.sequential.reference_layout import layout_of
 from lenstrace.sequential.reference_surface import surfaces_of_system
 
 PRECISIONS = ("float32", "float64")
-LAUNCHED, GRADIENT = 4.0, 16.0  # what right ones keep to, derivatives for each surface crossed
+LAUNCHED, GRADIENT = 4.0, 32.0  # what right ones keep to, derivatives for each surface crossed
 CASES = {case.name: case for case in cases()}
 
 
@@ -63,12 +63,12 @@ def test_the_judgement_sees_a_doubled_height(trial: Trial, precision: str) -> No
         assert launch_error(judge, wrong, eps) > 1000 * LAUNCHED or abs(start[place]) < 1e-4
 
 
-@pytest.mark.parametrize("name", ["index 4", "telecentric: pupils at infinity"])
+@pytest.mark.parametrize("name", ["index 4", "telecentric: pupils at infinity", "300 surfaces"])
 @pytest.mark.parametrize("precision", PRECISIONS)
 def test_the_judgement_sees_a_wrong_derivative(name: str, precision: str) -> None:
     """Each result's derivative by each group of numbers, however small against those of other results; and those by
     field and pupil."""
-    (trial,) = CASES[name].trials
+    trial = CASES[name].trials[0]
     lens, eps = trial.lens.astype(precision), float(np.finfo(precision).eps)
     system = lens.system.at(lens.system.primary)
     surfaces = surfaces_of_system(system)
@@ -83,6 +83,7 @@ def test_the_judgement_sees_a_wrong_derivative(name: str, precision: str) -> Non
         by_launch = slopes_by_launch(lens, trial.launched)[0]
     slopes, start = slopes_by_numbers(system, starts)[0], starts[0].astype(float)
     row = course_of(surfaces, start)[-1]
+    assert row.sizes is not None
 
     def error(slopes: np.ndarray, by_launch: np.ndarray | None = by_launch) -> float:
         found = gradient_error(surfaces, start, row, slopes, eps, launch, by_launch)

@@ -13,7 +13,7 @@ from lenstrace.analysis.extremes.judging import Errors, extremes, judged
 MOST = 16.0  # C for each surface crossed; and for a whole lens of up to 20 surfaces
 SHORT = 20
 LAUNCHED = 4.0
-GRADIENT = 16.0  # of derivatives, for each surface crossed
+GRADIENT = 32.0  # of derivatives, for each surface crossed
 PRECISIONS = ("float32", "float64")
 CASES = {case.name: case for case in cases()}
 
@@ -58,7 +58,9 @@ def test_an_asphere_is_met_at_its_rim_or_said_not_to_be() -> None:
         assert (r <= 10.0).all()
         terms = trial.lens[1].asphere
         sag = r * r / (10 + np.sqrt(100 - r * r)) + sum(a * r**power for power, a in terms.items())
-        np.testing.assert_allclose(np.asarray(path.z)[1][number != 1], sag, rtol=1e-12, atol=1e-12)
+        # toward the rim the sheet stands upright: a rounding of r is a larger one of z
+        steep = r / np.sqrt(100 - r * r)
+        assert (np.abs(np.asarray(path.z)[1][number != 1] - sag) <= 1e-13 * (1 + steep)).all()
     assert lost > 0
 
 

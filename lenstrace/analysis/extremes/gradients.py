@@ -2,11 +2,11 @@
 
 An error of d result / d number is taken as a multiple of
 
-    eps (what the chain rule adds up) + change of the derivatives of that result where all numbers are moved by eps,
+    eps (size of what is rounded on the way) + change of the derivatives of that result where all numbers move by eps,
 
-over a group of like numbers (all curvatures, all gaps, ...), each result by itself. What is added up are the `sizes` of
-`ConditionedRow`: absolute terms, and components of a point or of a direction are known to the same size, as they are
-in `errors`. Lengths count in units of the largest that the ray has met.
+over a group of like numbers (all curvatures, all gaps, ...), each result by itself. The first are the `sizes` of
+`ConditionedRow`: components of a point or of a direction are known to the same size, as they are in `errors`.
+Lengths count in units of the largest that the ray has met.
 """
 
 from __future__ import annotations
@@ -43,6 +43,7 @@ def gradient_error(
 
     launch, by_launch: of a launched ray the judge's launch, and its derivatives (7, 4) by field and pupil.
     """
+    assert row.sizes is not None
     layout, length = layout_of(surfaces), row.length or 1.0
     weights, groups = _weights(surfaces, layout, length), _groups(layout)
     across = _across(computed, start)

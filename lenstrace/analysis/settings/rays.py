@@ -19,6 +19,7 @@ from lenstrace.analysis.rays import trace
 from lenstrace.analysis.settings.models import PRECISIONS, model_settings
 from lenstrace.analysis.settings.samplings import newton_steps
 from lenstrace.analysis.spot_figures import place
+from lenstrace.analysis.symmetry import is_centred
 from lenstrace.compute.compiled import COMPILER_OPTIONS
 from lenstrace.optics.rays import Ray, living
 from lenstrace.sequential.lens import Lens
@@ -40,7 +41,8 @@ def focal_settings(lens: Lens) -> list[Setting]:
             Setting(f"paraxial, {precision}", "paraxial", 0, lambda one=one: first_order(one).focal_length[primary])
         )
     radius = float(with_pupil(lens)[1].entrance.diameter) / 2
-    for precision in PRECISIONS if math.isfinite(radius) else ():
+    # a real ray's slope tells a focal length where that of the axis is zero
+    for precision in PRECISIONS if math.isfinite(radius) and is_centred(lens) else ():
         one = lens.astype(precision)
         settings.append(
             Setting(f"derivative of the exact trace, {precision}", "derivative", 1, _slope_at_axis(one, radius))
