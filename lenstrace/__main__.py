@@ -5,12 +5,13 @@ from __future__ import annotations
 import argparse
 import importlib
 import sys
+import warnings
 from collections.abc import Sequence
 from typing import NoReturn
 
 from lenstrace import __version__
 from lenstrace.cli.cache import keep_compiled_programs
-from lenstrace.errors import LensTraceError
+from lenstrace.errors import AccuracyWarning, LensTraceError
 
 COMMANDS = (
     *("report", "spots", "trace", "draw", "seidel", "fans", "field", "wavefront", "psf", "mtf", "focus", "sheet"),
@@ -34,7 +35,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parsed = parser.parse_args(words)
     keep_compiled_programs()
     try:
-        parsed.run(parsed)
+        with warnings.catch_warnings():
+            # commands print them, as notes
+            warnings.simplefilter("ignore", AccuracyWarning)
+            parsed.run(parsed)
     except LensTraceError as error:
         print(f"lenstrace: {' '.join(str(error).split())}", file=sys.stderr)
         return USAGE_ERROR
