@@ -47,8 +47,7 @@ def rounding_notes(lens: Lens) -> tuple[str, ...]:
         return ()
     name = np.dtype(lens.system.curvature.dtype).name
     return (
-        f"rounding: in {name} the path differences of this lens are wrong by about {waves:.1g} waves; "
-        "trace it in float64",
+        f"rounding: in {name} the path differences of this lens may be wrong by {waves:.1g} waves; trace it in float64",
     )
 
 

@@ -77,9 +77,9 @@ def test_rounding_is_said(designs: dict[str, Lens]) -> None:
     rms = float(np.sqrt(np.nanmean((error - np.nanmean(error)) ** 2)))
     assert 0.25 < rounding(lens.astype("float32")) / rms < 4
     with pytest.warns(AccuracyWarning, match="rounding: in float32"):
-        lenstrace.psf(lens.astype("float32"), samples=64)
+        lenstrace.psf(lens.astype("float32"), samples=128)
     with pytest.warns(AccuracyWarning, match="rounding: in float32"):
-        lenstrace.mtf(lens.astype("float32"), [1.0], samples=64)
+        lenstrace.mtf(lens.astype("float32"), [1.0], samples=128)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         lenstrace.wavefront(designs["double_gauss"].astype("float32"), samples=9)
