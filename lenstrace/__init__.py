@@ -26,6 +26,7 @@ from lenstrace.analysis.vignetting import Vignetting, vignetting
 from lenstrace.compute.compiled import COMPILER_OPTIONS
 from lenstrace.errors import (
     AccuracyError,
+    AccuracyWarning,
     ImageError,
     LensTraceError,
     LostRaysError,
@@ -99,6 +100,7 @@ __version__ = "0.1.0"
 __all__ = [
     "COMPILER_OPTIONS",
     "AccuracyError",
+    "AccuracyWarning",
     "Aperture",
     "AxialColour",
     "BestFocus",

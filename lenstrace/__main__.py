@@ -5,12 +5,13 @@ from __future__ import annotations
 import argparse
 import importlib
 import sys
+import warnings
 from collections.abc import Sequence
 from typing import NoReturn
 
 from lenstrace import __version__
 from lenstrace.cli.cache import keep_compiled_programs
-from lenstrace.errors import LensTraceError
+from lenstrace.errors import AccuracyWarning, LensTraceError
 
 COMMANDS = (
     *("report", "spots", "trace", "draw", "seidel", "fans", "field", "wavefront", "psf", "mtf", "focus", "sheet"),
@@ -47,7 +48,10 @@ def _run(parser: argparse.ArgumentParser, arguments: Sequence[str] | None) -> in
         importlib.import_module(f"lenstrace.cli.{name}").add_parser(commands)
     parsed = parser.parse_args(words)
     keep_compiled_programs()
-    parsed.run(parsed)
+    with warnings.catch_warnings():
+        # commands print them, as notes
+        warnings.simplefilter("ignore", AccuracyWarning)
+        parsed.run(parsed)
     return 0
 
 

@@ -8,7 +8,9 @@
     |- RayError              rays that cannot be launched: an un-normalized direction, a field that is not a number
     |- LostRaysError         a question whose rays all fail
     |- ImageError            a question that needs an image, where the image is at infinity
-    `- AccuracyError         a trade or an accuracy that cannot be asked for
+    `- AccuracyError         a trade or an accuracy that cannot be had
+
+    AccuracyWarning (a UserWarning)  a result less accurate than it looks
 
 A ray that fails inside a trace is data (`RayStatus`), never an exception.
 """
@@ -47,4 +49,9 @@ class ImageError(LensTraceError):
 
 
 class AccuracyError(LensTraceError):
-    """A trade or an accuracy that cannot be asked for: a tolerance that is not positive, no setting, no design."""
+    """A trade or an accuracy that cannot be had: a tolerance that is not positive, no setting, no design, a pupil too
+    distorted for a transform."""
+
+
+class AccuracyWarning(UserWarning):
+    """A result that is given, but is less accurate than it looks, or not given in part: which, and what to do."""

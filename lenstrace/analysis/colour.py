@@ -15,6 +15,7 @@ from lenstrace.analysis.field_line import (
     FieldLine,
     Rays,
     beside,
+    check_points,
     chief_and_beside,
     chief_places,
     crossing,
@@ -24,7 +25,6 @@ from lenstrace.analysis.field_line import (
 )
 from lenstrace.compute.compiled import compiled
 from lenstrace.compute.pytree import pytree
-from lenstrace.errors import RayError
 from lenstrace.optics.rays import has_course
 from lenstrace.optics.vectors import safe_divide, safe_sqrt
 from lenstrace.sequential import paraxial
@@ -83,7 +83,7 @@ def axial_colour(lens: Lens, *, points: int = 101) -> AxialColour:
     ImageError where the image is at infinity; WavelengthError where a glass is not known between its wavelengths.
     """
     system, _ = with_image(lens, "axial colour")
-    _check_points(points)
+    check_points(points)
     um = lens.wavelengths.um
     shortest, longest = min(um), max(um)
     curve = np.linspace(shortest, longest, points if longest > shortest else 1)
@@ -112,16 +112,11 @@ def longitudinal_aberration(lens: Lens, *, points: int = 21) -> LongitudinalAber
     ImageError where the image is at infinity.
     """
     system, front = with_image(lens, "longitudinal aberration")
-    _check_points(points)
+    check_points(points)
     heights = np.linspace(0, 1, points).astype(system.curvature.dtype)
     zero = np.zeros_like(heights)
     found = beside(front, system.index, Rays(zero, zero, zero, heights), Rays(zero, zero, zero, zero + 1))
     return _longitudinal(heights, found)
-
-
-def _check_points(points: Any) -> None:
-    if isinstance(points, bool) or not isinstance(points, int | np.integer) or points < 1:
-        raise RayError(f"points must be a whole number, at least 1, got {points!r}")
 
 
 def paraxial_focus(system: System) -> jax.Array:

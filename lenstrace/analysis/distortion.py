@@ -32,6 +32,8 @@ from lenstrace.sequential.system import System
 
 # Fields whose cosine is below this have no f tan(theta).
 GRAZING = 1e-6
+# Points on a side of a grid.
+MOST_SIDE = 1001
 
 
 @pytree
@@ -43,7 +45,8 @@ class Distortion:
     height:             (P,), mm, of the chief ray on the image surface, from that of field 0, along the line on which a
                         small field moves it (so that it is positive also in an image upside down).
     slope:              d height / d field at field 0, by the exact derivative of the trace, mm per radian or per mm.
-    reference:          (P,), mm: slope tan(theta); for heights slope times the field, which is m h.
+    reference:          (P,), mm, the paraxial height on the image surface where it stands: slope tan(theta), or slope
+                        times the field for heights. f' tan(theta) and m h only on an image surface in focus.
     percent:            (P,), 100 (height / reference - 1); 0 at field 0, nan from 90 degrees on.
     f_theta_reference:  (P,), mm: slope theta; nan for fields that are heights at a finite object.
     f_theta_percent:    (P,), 100 (height / f_theta_reference - 1).
@@ -81,7 +84,8 @@ class DistortionGrid:
 
 
 def distortion(lens: Lens, *, points: int = 21) -> Distortion:
-    """Distortion against field, percent, by f tan(theta) (m h for heights) and by f theta.
+    """Distortion against field, percent, from the paraxial height, slope tan(theta) (slope h for heights), and from
+    slope theta.
 
     points: fields from 0 to the largest, evenly spaced; one if the lens has the field 0 alone.
     ImageError where the image is at infinity.
@@ -108,8 +112,10 @@ def distortion_grid(lens: Lens, *, points: int = 11) -> DistortionGrid:
             f"a distortion grid needs a plane object, and no point of one is seen at {limit:g} degrees; "
             "give fields below 90, or ask for the distortion by f theta"
         )
-    if isinstance(points, bool) or not isinstance(points, int | np.integer) or points < 2:
-        raise RayError(f"points must be a whole number of fields on a side, at least 2, got {points!r}")
+    if isinstance(points, bool) or not isinstance(points, int | np.integer) or not 2 <= points <= MOST_SIDE:
+        raise RayError(
+            f"points must be a whole number of fields on a side, at least 2 and at most {MOST_SIDE}, got {points!r}"
+        )
     line = field_line(system, np.ones(1, system.curvature.dtype))
     plane, chief, across = _square(system, line, np.linspace(-1, 1, points).astype(system.curvature.dtype))
     index = system.index[system.primary][None]

@@ -86,7 +86,7 @@ def _encircled(place: jax.Array, density: jax.Array, radius: jax.Array | None, c
     x, y = (centred * jnp.sum(jnp.sum(light, axis) * place, -1) / total for axis in (-2, -1))
     reach = half - jnp.maximum(jnp.abs(x), jnp.abs(y))
     if radius is None:
-        radius = jnp.linspace(0, 1, STEPS, dtype=place.dtype) ** 2 * jnp.min(reach)
+        radius = jnp.linspace(0, 1, STEPS, dtype=place.dtype) ** 2 * jnp.min(jnp.where(jnp.isnan(reach), half, reach))
     radius = radius.astype(place.dtype)
     frequency = jnp.asarray(np.fft.fftfreq(count), place.dtype) / pixel
     u, v = frequency, frequency[:, None]

@@ -6,14 +6,16 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from lenstrace.analysis.image_rays import ImageRays, image_rays
+from lenstrace.analysis.image_rays import ImageRays, check_light, image_rays
 from lenstrace.analysis.path_difference import Sphere, check_reference, differences
 from lenstrace.compute.compiled import compiled
-from lenstrace.compute.pytree import pytree
+from lenstrace.compute.pytree import is_traced, pytree
 from lenstrace.errors import RayError
 from lenstrace.sequential.lens import Lens
 
 POINTS = 41
+# Of a fan.
+MOST_POINTS = 10_001
 
 
 @pytree
@@ -51,14 +53,20 @@ def fans(lens: Lens, *, points: int = POINTS, reference: str = "primary") -> Fan
     reference:  the image point: "primary" is where the chief ray of the primary wavelength arrives, so that lateral
                 colour is seen; "chief" that of each wavelength; "best" as "chief", with the path differences from the
                 sphere of least RMS along the two lines.
-    For an afocal lens the path differences are from a plane. LostRaysError where a chief ray is lost.
+    For an afocal lens the path differences are from a plane. LostRaysError where a chief ray is lost,
+    or all rays are.
     """
     check_reference(reference)
-    if isinstance(points, bool) or not isinstance(points, int | np.integer) or points < 3 or points % 2 == 0:
-        raise RayError(f"points of a fan must be an odd whole number, at least 3, got {points!r}")
+    if isinstance(points, bool) or not isinstance(points, int | np.integer) or not 3 <= points <= MOST_POINTS:
+        raise RayError(f"points of a fan must be odd, at least 3 and at most {MOST_POINTS}, got {points!r}")
+    if points % 2 == 0:
+        raise RayError(f"points of a fan must be an odd whole number, got {points}")
     along, none = np.linspace(-1, 1, points), np.zeros(points)
     arrived = image_rays(lens, np.append(none, along), np.append(along, none))
-    return _fans(arrived, Sphere(reference))
+    result = _fans(arrived, Sphere(reference))
+    if not is_traced(result):
+        check_light(np.isfinite([result.tangential.opd, result.sagittal.opd]))
+    return result
 
 
 @compiled

@@ -23,6 +23,8 @@ from lenstrace.sequential.system import System
 from lenstrace.sequential.trace import trace
 
 Pair = tuple[jax.Array, jax.Array]
+# Points of a curve: more are seen by nobody, and do not fit into the memory of a small machine.
+MOST_POINTS = 10_001
 
 
 @pytree
@@ -77,10 +79,15 @@ class Beside(NamedTuple):
     failure: jax.Array
 
 
+def check_points(points: Any) -> None:
+    """RayError for fewer than one point of a curve, or more than MOST_POINTS."""
+    if isinstance(points, bool) or not isinstance(points, int | np.integer) or not 1 <= points <= MOST_POINTS:
+        raise RayError(f"points must be a whole number, at least 1 and at most {MOST_POINTS}, got {points!r}")
+
+
 def shares_of(lens: Lens, points: int) -> np.ndarray:
-    """(P,), from 0 to 1 of the largest field; 0 alone where the lens has no other field. RayError below one point."""
-    if isinstance(points, bool) or not isinstance(points, int | np.integer) or points < 1:
-        raise RayError(f"points must be a whole number of fields, at least 1, got {points!r}")
+    """(P,), from 0 to 1 of the largest field; 0 alone where the lens has no other field. RayError as `check_points`."""
+    check_points(points)
     values = (*lens.fields.x, *lens.fields.y)
     if not is_traced(values) and not any(map(float, values)):
         points = 1

@@ -29,7 +29,7 @@ from lenstrace.sequential.system import System
 # Half of the range that is taken where none is asked for, in units of the defocus that is just seen.
 RANGE = 1.5
 MM_PER_UM = 1e-3
-STEPS = 21
+STEPS, MOST_STEPS = 21, 1001
 
 
 @pytree
@@ -97,8 +97,8 @@ def through_focus(
     pattern, rings:  how the pupil is sampled, see `pupil_points`.
     LostRaysError where no ray of a field arrives, ImageError where the image is at infinity.
     """
-    if shifts is None and (not isinstance(steps, int | np.integer) or steps < 2):
-        raise RayError(f"steps through focus must be a whole number from 2 on, got {steps!r}")
+    if shifts is None:
+        check_steps(steps)
     system, lines = _traced(lens, pattern, rings)
     dtype = system.curvature.dtype
     if shifts is None:
@@ -115,6 +115,12 @@ def through_focus(
     if not is_traced(result):
         check_arrivals(lens, jax.device_get(result).at(0))
     return result
+
+
+def check_steps(steps: Any) -> None:
+    """RayError for fewer than two places through focus, or more than MOST_STEPS."""
+    if isinstance(steps, bool) or not isinstance(steps, int | np.integer) or not 2 <= steps <= MOST_STEPS:
+        raise RayError(f"steps through focus must be a whole number from 2 to {MOST_STEPS}, got {steps!r}")
 
 
 def best_focus(lens: Lens, *, pattern: str = "hexapolar", rings: int = 6) -> BestFocus:

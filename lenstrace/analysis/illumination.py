@@ -38,8 +38,14 @@ class Illumination:
     solid_angle:  (P,), steradians, of the bundle at the image, projected on the image surface: the area that it fills
                   in the plane of the direction cosines (l, m) about the normal of the image surface. nan where no ray
                   arrives, and all of it where the image is at infinity.
-    relative:     (P,), solid_angle over that of field 0: the relative illumination of a plane of uniform (Lambertian)
-                  radiance. Absorption and reflection losses do not count.
+    relative:     (P,), solid_angle over that of field 0: the relative illumination of the image of a plane of uniform
+                  (Lambertian) radiance, where the bundle of an image point is that of one object point.
+                  Absorption and reflection losses do not count.
+
+    The solid angle is that of the light of one object point, weighed where it meets the image surface; it is not the
+    flux through an area of the image. The two agree where the light of the object point meets at an image point. On an
+    image surface out of focus, or behind strong aberrations, the rays that cross an area of the image come from
+    many object points, and `relative` does not tell how bright it is: values above 1 occur.
 
     Source: Rimmer, Proc. SPIE 655, 99 (1986).
     """

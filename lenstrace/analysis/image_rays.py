@@ -73,6 +73,16 @@ def image_rays(lens: Lens, pupil_x: Any, pupil_y: Any, *, axial: bool = False) -
     )
 
 
+def check_light(light: Any) -> None:
+    """LostRaysError where no ray of any field arrives; light: an array of any shape, above 0 where light is."""
+    if is_traced(light) or (np.asarray(light) > 0).any():
+        return
+    raise LostRaysError(
+        "all rays of all fields are lost before the image; check the apertures and semi-diameters, or reduce the field "
+        "or the pupil (`lenstrace spots` says where they are lost)"
+    )
+
+
 def _all(_: System, rays: Ray) -> Ray:
     return rays
 

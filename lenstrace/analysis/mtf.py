@@ -7,6 +7,7 @@ shifts along y count: one transform along each column of the pupil, squared, add
 
 from __future__ import annotations
 
+import dataclasses
 from typing import Any
 
 import jax
@@ -16,12 +17,13 @@ from jax import lax
 
 from lenstrace.analysis.conditions import with_image
 from lenstrace.analysis.huygens import wave
-from lenstrace.analysis.image_rays import ImageRays, image_rays
+from lenstrace.analysis.image_rays import ImageRays, check_light, image_rays
+from lenstrace.analysis.notes import transform_notes, trusted, warned
 from lenstrace.analysis.path_difference import Sphere, differences
 from lenstrace.analysis.pupil_function import PupilFunction, pupil_function
 from lenstrace.analysis.pupil_grid import cell_coverage, grid_points
 from lenstrace.compute.compiled import compiled
-from lenstrace.compute.pytree import pytree
+from lenstrace.compute.pytree import pytree, static
 from lenstrace.errors import RayError
 from lenstrace.sequential.lens import Lens
 
@@ -30,6 +32,7 @@ QUESTION = "a modulation transfer function"
 GEOMETRIC_SAMPLES = 49
 # Below this part of the whole, overlapping pupils are not corrected for their edges any more.
 LEAST_OVERLAP = 1e-3
+INSTEAD = "no contrast is given; the contrast by rays alone (--geometric), or psf with the method huygens, answers"
 
 
 @pytree
@@ -41,6 +44,9 @@ class Mtf:
                            in y).
     each_tangential, each_sagittal:  (F, W, K), of each wavelength.
     limit_tangential, limit_sagittal:  (F, K), of all wavelengths, without any aberration.
+    notes: what limits the accuracy, for a reader: too few samples, a distorted pupil, rounding.
+    All is nan of a field without light, and of one whose pupil is too distorted for a transform: no figure is better
+    than a wrong one.
     """
 
     frequency: jax.Array
@@ -50,6 +56,7 @@ class Mtf:
     each_sagittal: jax.Array
     limit_tangential: jax.Array
     limit_sagittal: jax.Array
+    notes: tuple[str, ...] = static(default=())
 
 
 @pytree
@@ -67,13 +74,14 @@ class ThroughFocusMtf:
     """The contrast of one spatial frequency as the image plane moves.
 
     shift:  (P,), mm along z of the image surface's frame.      frequency: (), cycles/mm.
-    tangential, sagittal:  (F, P), of all wavelengths by weight.
+    tangential, sagittal:  (F, P), of all wavelengths by weight; nan, and notes, as of `Mtf`.
     """
 
     shift: jax.Array
     frequency: jax.Array
     tangential: jax.Array
     sagittal: jax.Array
+    notes: tuple[str, ...] = static(default=())
 
 
 def mtf(lens: Lens, frequency: Any = None, *, samples: int | None = None) -> Mtf:
@@ -82,10 +90,14 @@ def mtf(lens: Lens, frequency: Any = None, *, samples: int | None = None) -> Mtf
     frequency: (K,), cycles/mm, not negative (RayError); by default about as many as samples, from 0 to where the
                contrast of a perfect lens ends.
     samples:   n across the pupil, even; by default as many as the aberrations need, see `pupil_function`.
-    ImageError where the image is at infinity.
+    ImageError where the image is at infinity, LostRaysError where all rays are lost. AccuracyWarning with each of the
+    notes: for fields that are nan, `geometric_mtf`, or `psf` by the method huygens, answer.
     """
     _check(frequency)
-    return _mtf(pupil_function(lens, QUESTION, samples), None if frequency is None else _frequencies(frequency))
+    pupil = pupil_function(lens, QUESTION, samples)
+    check_light(pupil.energy)
+    found = _mtf(pupil, None if frequency is None else _frequencies(frequency))
+    return dataclasses.replace(found, notes=warned(transform_notes(lens, pupil, what=INSTEAD)))
 
 
 def geometric_mtf(lens: Lens, frequency: Any, *, samples: int = GEOMETRIC_SAMPLES) -> GeometricMtf:
@@ -96,7 +108,9 @@ def geometric_mtf(lens: Lens, frequency: Any, *, samples: int = GEOMETRIC_SAMPLE
     _check(frequency)
     with_image(lens, QUESTION)
     x, y, share = grid_points(samples)
-    return _geometric(image_rays(lens, x, y), share, _frequencies(frequency))
+    arrived = image_rays(lens, x, y)
+    check_light(arrived.rays.failure[..., 1:] == 0)
+    return _geometric(arrived, share, _frequencies(frequency))
 
 
 def mtf_through_focus(lens: Lens, frequency: float, shift: Any, *, samples: int | None = None) -> ThroughFocusMtf:
@@ -105,7 +119,9 @@ def mtf_through_focus(lens: Lens, frequency: float, shift: Any, *, samples: int 
     _check(frequency)
     shift = jnp.atleast_1d(jnp.asarray(shift, float))
     pupil = pupil_function(lens, QUESTION, samples)
-    return _through_focus(pupil, jnp.asarray(frequency, float), shift)
+    check_light(pupil.energy)
+    found = _through_focus(pupil, jnp.asarray(frequency, float), shift)
+    return dataclasses.replace(found, notes=warned(transform_notes(lens, pupil, what=INSTEAD)))
 
 
 def _frequencies(frequency: Any) -> jax.Array:
@@ -185,6 +201,7 @@ def _transfers(pupil: PupilFunction, opd: jax.Array, frequency: jax.Array) -> tu
     x, y = (pupil.cell[..., 0, i, None, None] * right + pupil.cell[..., 1, i, None, None] * up for i in (0, 1))
     edges = [(edge[..., 0], edge[..., 1]) for edge in (pupil.cell[..., k, None, None, :] for k in (0, 1))]
     outline = cell_coverage(x, y, edges[0], edges[1])
+    known_well = (trusted(pupil) & (pupil.energy > 0))[..., None]
     results = []
     for axis in (-2, -1):
         edge = pupil.cell[..., 0 if axis == -1 else 1, :]
@@ -208,7 +225,8 @@ def _transfers(pupil: PupilFunction, opd: jax.Array, frequency: jax.Array) -> tu
             found_here = _autocorrelation(function, axis)
             correlated = found_here * (correction / pupil.energy[..., None]).astype(found_here.dtype)
             exact = correlated.at[..., 0].set(1)
-            results.append(_interpolated(exact, place) * edge_of(place).astype(exact.dtype))
+            contrast = _interpolated(exact, place) * edge_of(place).astype(exact.dtype)
+            results.append(jnp.where(known_well, contrast, jnp.nan))
     tangential, limit_tangential, sagittal, limit_sagittal = results
     return tangential, sagittal, limit_tangential, limit_sagittal
 

@@ -9,8 +9,10 @@ import jax.numpy as jnp
 import numpy as np
 
 from lenstrace.analysis.huygens import plane_wave_sum, plane_waves, wave
+from lenstrace.analysis.image_rays import check_light
+from lenstrace.analysis.notes import rounding_notes, transform_notes, warned
 from lenstrace.analysis.path_difference import residual
-from lenstrace.analysis.pupil_function import MOST_STEP, PupilFunction, pupil_function
+from lenstrace.analysis.pupil_function import PupilFunction, pupil_function
 from lenstrace.compute.compiled import compiled
 from lenstrace.compute.pytree import is_traced, pytree, static
 from lenstrace.errors import RayError
@@ -37,6 +39,8 @@ class Psf:
     strehl:         (F, W), density at the middle of the light, tilt removed, over `peak`.
     within:         (F, W), the part of the light that falls on the N x N points at all.
     method:         "fft", or "huygens": the direct sum of plane waves.    reason: why, for a reader.
+    notes:          what limits the accuracy, for a reader: too few samples, a distorted pupil, rounding.
+    Of a field without light all is nan.
     """
 
     position: jax.Array
@@ -48,6 +52,7 @@ class Psf:
     within: jax.Array
     method: str = static()
     reason: str = static()
+    notes: tuple[str, ...] = static(default=())
 
 
 @pytree
@@ -68,13 +73,15 @@ def psf(lens: Lens, *, samples: int | None = None, method: str = "auto") -> Psf:
               need, see `pupil_function`.
     method:   "fft", "huygens" (direct integration: every ray a plane wave, no grid of directions), or "auto": the
               transform, unless the pupil is so distorted or the path changes so fast that it would be wrong.
-    ImageError where the image is at infinity, RayError for an unknown method.
+    ImageError where the image is at infinity, RayError for an unknown method, LostRaysError where all rays are lost.
+    AccuracyWarning with each of the notes.
     """
     if method not in METHODS:
         raise RayError(f"unknown method {method!r}; one of {', '.join(METHODS)}")
     pupil = pupil_function(lens, "a point spread function", samples, STEP)
     chosen, reason = _choice(pupil) if method == "auto" else (method, "as asked")
     transform = chosen == "fft"
+    check_light(pupil.energy)
     found = _by_transform(pupil) if transform else _by_waves(plane_waves(lens, pupil.amplitude.shape[-1]), pupil)
     return Psf(
         found.position,
@@ -86,7 +93,14 @@ def psf(lens: Lens, *, samples: int | None = None, method: str = "auto") -> Psf:
         found.within,
         method=chosen,
         reason=reason,
+        notes=warned(_notes(lens, pupil, transform)),
     )
+
+
+def _notes(lens: Lens, pupil: PupilFunction, transform: bool) -> tuple[str, ...]:
+    if transform:
+        return transform_notes(lens, pupil, what="the point spread is wrong; take the method huygens")
+    return rounding_notes(lens)
 
 
 def _choice(pupil: PupilFunction) -> tuple[str, str]:
@@ -97,8 +111,6 @@ def _choice(pupil: PupilFunction) -> tuple[str, str]:
     known = f"rays miss their nodes by {distorted:.1g} of the pupil, the path changes by {step:.2g} wavelengths a cell"
     if not distorted <= MOST_DISTORTED:
         return "huygens", f"{known}: too distorted for a transform"
-    if step > MOST_STEP:
-        return "fft", f"{known}: more than {MOST_STEP:g}, the light that is spread farthest falls on wrong places"
     return "fft", known
 
 

@@ -9,15 +9,22 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from lenstrace.analysis.answers import answers
+from lenstrace.analysis.arrivals import Asked, arrivals
 from lenstrace.analysis.cardinal import first_order, overview
 from lenstrace.analysis.colour import lateral_colour, longitudinal_aberration
+from lenstrace.analysis.conditions import with_pupil
 from lenstrace.analysis.distortion import distortion
 from lenstrace.analysis.fans import fans
 from lenstrace.analysis.field_curvature import field_curvature
+from lenstrace.analysis.image_rays import check_light
 from lenstrace.analysis.layout import layout
 from lenstrace.analysis.mtf import mtf
 from lenstrace.analysis.spots import spots
+from lenstrace.errors import LensTraceError
+from lenstrace.optics.rays import Ray
 from lenstrace.sequential.lens import Lens
+from lenstrace.sequential.sampling import pupil_points
+from lenstrace.sequential.system import System
 
 MOST_FIELDS = 3
 FAN_POINTS, FIELD_POINTS = 41, 11
@@ -39,7 +46,10 @@ class Sheet(NamedTuple):
 
 
 def sheet(lens: Lens, tell: Callable[[str], None] | None = None) -> Sheet:
-    """The results of one page about a lens; `tell` is called with the name of each before it is computed."""
+    """The results of one page about a lens; `tell` is called with the name of each before it is computed.
+
+    LostRaysError where no ray of any field arrives.
+    """
     shown = with_few_fields(lens)
     asked: dict[str, Callable[[], Any]] = {
         "layout": lambda: layout(lens),
@@ -62,7 +72,24 @@ def sheet(lens: Lens, tell: Callable[[str], None] | None = None) -> Sheet:
 
         return ask
 
-    return Sheet(shown, *answers({name: told(name, question) for name, question in asked.items()}))
+    found, missing = answers({name: told(name, question) for name, question in asked.items()})
+    if "spots" in missing and "fans" in missing:
+        _check_any(shown)
+    return Sheet(shown, found, missing)
+
+
+def _check_any(lens: Lens) -> None:
+    """LostRaysError where no ray of any field arrives; of a lens that can be traced."""
+    try:
+        system, front = with_pupil(lens)
+    except LensTraceError:
+        return
+    points = pupil_points()
+    check_light(arrivals(Asked(front, system.index, _arrives), system.fields, points.x, points.y)[..., 1:])
+
+
+def _arrives(_: System, rays: Ray) -> Any:
+    return rays.ok
 
 
 def with_few_fields(lens: Lens) -> Lens:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import jax
 import jax.numpy as jnp
 import numpy as np
 
-from lenstrace.analysis.image_rays import ImageRays, image_rays
+from lenstrace.analysis.image_rays import ImageRays, check_light, image_rays
+from lenstrace.analysis.notes import rounding_notes, warned
 from lenstrace.analysis.path_difference import Sphere, check_reference, differences, residual
 from lenstrace.analysis.pupil_grid import grid_points
 from lenstrace.analysis.zernike import ZernikeFit, fit_zernike, zernike_index
@@ -35,6 +38,7 @@ class Wavefront:
     strehl:             (F, W), |mean of exp(2 pi i opd)|^2, tilt removed: the intensity at the image point against
                         that without aberration.
     samples:            of the grid, from edge to edge.
+    notes:              what limits the accuracy of these figures, for a reader.
     """
 
     pupil_x: jax.Array
@@ -48,6 +52,7 @@ class Wavefront:
     strehl_from_rms: jax.Array
     strehl: jax.Array
     samples: int = static()
+    notes: tuple[str, ...] = static(default=())
 
 
 def wavefront(lens: Lens, *, samples: int = SAMPLES, reference: str = "chief") -> Wavefront:
@@ -56,13 +61,15 @@ def wavefront(lens: Lens, *, samples: int = SAMPLES, reference: str = "chief") -
     samples:    of the grid across the pupil (RayError below 9).
     reference:  the centre of the sphere, see `Sphere`: "chief", "primary" or "best". Its radius reaches to the centre
                 of the paraxial exit pupil; an afocal lens is compared with a plane.
-    LostRaysError where a chief ray is lost.
+    LostRaysError where a chief ray is lost, or all rays are. AccuracyWarning where rounding is seen.
     """
     check_reference(reference)
     x, y, share = grid_points(samples)
     turn = 2 * np.pi * np.arange(RIM) / RIM
     x, y = np.append(np.cos(turn), x), np.append(np.sin(turn), y)
-    return _wavefront(image_rays(lens, x, y), _Asked(Sphere(reference), samples), np.append(np.zeros(RIM), share))
+    result = _wavefront(image_rays(lens, x, y), _Asked(Sphere(reference), samples), np.append(np.zeros(RIM), share))
+    check_light(result.share)
+    return dataclasses.replace(result, notes=warned(rounding_notes(lens)))
 
 
 def zernike_coefficients(front: Wavefront, *, order: str = "fringe", count: int = 37) -> ZernikeFit:

@@ -11,9 +11,9 @@ import numpy as np
 from lenstrace.analysis.conditions import image_is_far
 from lenstrace.analysis.fans import POINTS, Fan, Fans, fans
 from lenstrace.analysis.path_difference import REFERENCES
-from lenstrace.cli.output import add_common, number_text, print_json, print_table
+from lenstrace.cli.design import add_design, load_design
+from lenstrace.cli.output import number_text, print_json, print_table
 from lenstrace.cli.spots import field_text
-from lenstrace.io.native import load
 from lenstrace.plotting.fans import fans_figure, unit_of
 from lenstrace.plotting.files import save_figure
 from lenstrace.sequential.lens import Lens
@@ -27,7 +27,7 @@ ROUNDING = 1e-12
 def add_parser(commands: Any) -> None:
     """Register the command."""
     parser = commands.add_parser("fans", help="ray fans: transverse aberration and path difference across the pupil")
-    add_common(parser)
+    add_design(parser)
     parser.add_argument("--points", type=int, default=POINTS, help=f"of each fan, an odd number ({POINTS})")
     parser.add_argument(
         "--reference",
@@ -41,7 +41,7 @@ def add_parser(commands: Any) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Print the ray fans of a design."""
-    lens = load(arguments.design)
+    lens = load_design(arguments)
     result = jax.device_get(fans(lens, points=arguments.points, reference=arguments.reference))
     if arguments.plot:
         save_figure(fans_figure(result, lens), arguments.plot)

@@ -20,9 +20,9 @@ from lenstrace.analysis.colour import (
 from lenstrace.analysis.distortion import Distortion, distortion, distortion_grid
 from lenstrace.analysis.field_curvature import FieldCurvature, field_curvature
 from lenstrace.analysis.illumination import Illumination, IncidenceAngles, incidence_angles, relative_illumination
-from lenstrace.cli.output import add_common, number_text, print_json, print_table
+from lenstrace.cli.design import add_design, load_design
+from lenstrace.cli.output import number_text, print_json, print_table
 from lenstrace.errors import ImageError
-from lenstrace.io.native import load
 from lenstrace.plotting.field import field_figure
 from lenstrace.plotting.files import save_figure
 from lenstrace.sequential.lens import Lens
@@ -36,24 +36,26 @@ ROUNDING = 1e-9
 
 def add_parser(commands: Any) -> None:
     """Register the command."""
-    parser = commands.add_parser("field", help="field curvature, distortion, colour and illumination against field")
-    add_common(parser)
+    parser = commands.add_parser("field", help="field curvature, distortion, colour, illumination by field")
+    parser.description = (
+        "Field curvature, distortion, colour, illumination and angles of incidence against field. Illumination is the "
+        "projected solid angle of the light of one object point at the image, over that on the axis: the relative "
+        "illumination of an image in focus, not the flux per area of one that is out of focus."
+    )
+    add_design(parser)
     parser.add_argument(
         "--points",
         type=int,
         default=21,
         help="fields from 0 to the largest, and heights in the pupil; half as many for illumination and angles (21)",
     )
-    parser.add_argument("--clip", action="store_true", help="semi-diameters stop rays, as apertures do")
     parser.add_argument("--plot", metavar="FILE", help="write the curves (png, pdf or svg)")
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Print the analyses against field of a design."""
-    lens = load(arguments.design)
-    if arguments.clip:
-        lens = lens.replace(clip_at_semi_diameters=True)
+    lens = load_design(arguments)
     points, half = arguments.points, (arguments.points + 1) // 2
     asked: dict[str, Callable[[], Any]] = {
         "field_curvature": lambda: field_curvature(lens, points=points),
@@ -104,11 +106,11 @@ def tables(lens: Lens, result: Any) -> list[Table]:
                 ("Petzval radius, mm", ["", ""], petzval),
             ]
         case Distortion():
-            reference, named = ("f tan(theta)", True) if lens.fields.kind == "angle" else ("slope x height", False)
+            reference, named = ("paraxial height", True) if lens.fields.kind == "angle" else ("slope x height", False)
             columns = [field, "chief height, mm", f"{reference}, mm", "distortion, %"]
             values = [result.height, result.reference, result.percent]
             if named or np.isfinite(result.f_theta_percent).any():
-                columns += ["f theta, mm", "f theta distortion, %"]
+                columns += ["slope x theta, mm", "f theta distortion, %"]
                 values += [result.f_theta_reference, result.f_theta_percent]
             return [
                 (f"Distortion, {waves[lens.wavelengths.primary]}", columns, _rows(result.field, np.stack(values, -1)))
@@ -124,9 +126,15 @@ def tables(lens: Lens, result: Any) -> list[Table]:
             rows = _rows(np.asarray(lens.wavelengths.um), np.stack([result.focus, result.shift], -1))
             return [("Axial colour: paraxial foci, mm", ["um", "from image surface", "from primary"], rows)]
         case Illumination():
-            columns = [field, "part of the pupil", "solid angle, sr", "relative illumination"]
+            columns = [field, "part of the pupil", "solid angle, sr", "over that of the axis"]
             values = np.stack([result.fraction, result.solid_angle, result.relative], -1)
-            return [(f"Illumination, {waves[lens.wavelengths.primary]}", columns, _rows(result.field, values))]
+            return [
+                (
+                    f"Solid angle of the light of one object point at the image, {waves[lens.wavelengths.primary]}",
+                    columns,
+                    _rows(result.field, values),
+                )
+            ]
         case IncidenceAngles():
             return [_incidence(lens, result)]
         case _:

@@ -8,13 +8,13 @@ from typing import Any
 import jax
 import numpy as np
 
-from lenstrace.analysis.focus import STEPS, BestFocus, Focus, ThroughFocus, best_focus, through_focus
+from lenstrace.analysis.focus import STEPS, BestFocus, Focus, ThroughFocus, best_focus, check_steps, through_focus
 from lenstrace.analysis.spot_curves import SpotField, SpotSpectrum, spot_field, spot_spectrum
 from lenstrace.analysis.wave_focus import WaveFocus, wave_focus
-from lenstrace.cli.output import add_common, number_text, print_json, print_table
+from lenstrace.cli.design import add_design, load_design
+from lenstrace.cli.output import number_text, print_json, print_table
 from lenstrace.cli.spots import field_text
 from lenstrace.errors import RayError
-from lenstrace.io.native import load
 from lenstrace.plotting.files import save_figure
 from lenstrace.plotting.focus import focus_figure
 from lenstrace.sequential.lens import Lens
@@ -29,7 +29,7 @@ PLACES = (
 def add_parser(commands: Any) -> None:
     """Register the command."""
     parser = commands.add_parser("focus", help="best focus, spots through focus, against field and wavelength")
-    add_common(parser)
+    add_design(parser)
     parser.add_argument(
         "--range", type=float, metavar="MM", help="shift the image by up to so much to either side (by the lens)"
     )
@@ -42,7 +42,7 @@ def add_parser(commands: Any) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Print the focus of a design."""
     shifts = _shifts(arguments.range, arguments.steps)
-    lens = load(arguments.design)
+    lens = load_design(arguments)
     best = jax.device_get(best_focus(lens, rings=arguments.rings))
     through = jax.device_get(through_focus(lens, shifts, steps=arguments.steps, rings=arguments.rings))
     waves = jax.device_get(wave_focus(lens))
@@ -97,8 +97,7 @@ def _shifts(half: float | None, steps: int) -> np.ndarray | None:
         return None
     if not (np.isfinite(half) and half > 0):
         raise RayError(f"--range must be a positive number of mm, got {half:g}")
-    if steps < 2:
-        raise RayError(f"--steps must be at least 2, got {steps}")
+    check_steps(steps)
     return half * np.linspace(-1, 1, steps)
 
 

@@ -10,10 +10,10 @@ import jax
 import numpy as np
 
 from lenstrace.analysis.mtf import GeometricMtf, Mtf, ThroughFocusMtf, geometric_mtf, mtf, mtf_through_focus
-from lenstrace.cli.output import add_common, number_text, print_json, print_table
+from lenstrace.cli.design import add_design, load_design
+from lenstrace.cli.output import number_text, print_json, print_notes, print_table
 from lenstrace.cli.spots import field_text
-from lenstrace.errors import RayError
-from lenstrace.io.native import load
+from lenstrace.errors import AccuracyError, RayError
 from lenstrace.plotting.files import save_figure
 from lenstrace.plotting.mtf import mtf_figure
 from lenstrace.sequential.lens import Lens
@@ -28,7 +28,7 @@ STEPS = 21
 def add_parser(commands: Any) -> None:
     """Register the command."""
     parser = commands.add_parser("mtf", help="contrast against spatial frequency, through focus")
-    add_common(parser)
+    add_design(parser)
     parser.add_argument(
         "--frequencies", type=float, nargs="+", metavar="F", help="cycles/mm (about 8 up to 70 %% of the largest)"
     )
@@ -49,11 +49,13 @@ def run(arguments: argparse.Namespace) -> None:
     span = arguments.through_focus
     if span is not None and not (math.isfinite(span) and span > 0):
         raise RayError(f"--through-focus must be a positive number of mm, got {span:g}")
-    lens = load(arguments.design)
+    lens = load_design(arguments)
     curve = jax.device_get(mtf(lens, samples=arguments.samples))
     asked = arguments.frequencies or round_frequencies(float(curve.frequency[-1]))
     table = jax.device_get(mtf(lens, asked, samples=arguments.samples))
     rays = jax.device_get(geometric_mtf(lens, asked)) if arguments.geometric else None
+    if rays is None and not np.isfinite(table.tangential).any():
+        raise AccuracyError("; ".join(table.notes) or "no field has a contrast")
     through = None
     if span is not None:
         shift = np.linspace(-span, span, STEPS)
@@ -70,6 +72,7 @@ def run(arguments: argparse.Namespace) -> None:
     if through is not None:
         title = f"Through focus at {float(through.frequency):g} cycles/mm"
         print_table(title, *_through_rows(lens, through))
+    print_notes(table.notes)
     if arguments.plot:
         print(f"wrote {arguments.plot}")
 
@@ -103,7 +106,7 @@ def mtf_keys(lens: Lens, table: Mtf, rays: GeometricMtf | None, through: Through
         }
         for f in range(len(lens.fields.y))
     ]
-    found: dict[str, Any] = {"frequency": table.frequency, "mtf": fields}
+    found: dict[str, Any] = {"frequency": table.frequency, "mtf": fields, "notes": table.notes}
     if through is not None:
         found["through_focus"] = {
             "frequency": through.frequency,
@@ -123,12 +126,16 @@ def _rows(lens: Lens, table: Mtf, rays: GeometricMtf | None) -> tuple[list[str],
         [
             field_text(lens, f) if not k else "",
             f"{frequency:g}",
-            *(f"{values[f, k]:.5f}" for _, values in curves),
+            *(_contrast(values[f, k]) for _, values in curves),
         ]
         for f in range(len(lens.fields.y))
         for k, frequency in enumerate(table.frequency)
     ]
     return [f"field, {lens.fields.unit}", "cycles/mm", *(name for name, _ in curves)], rows
+
+
+def _contrast(value: Any) -> str:
+    return f"{value:.5f}" if np.isfinite(value) else "-"
 
 
 def _through_rows(lens: Lens, through: ThroughFocusMtf) -> tuple[list[str], list[list[str]]]:
@@ -137,7 +144,7 @@ def _through_rows(lens: Lens, through: ThroughFocusMtf) -> tuple[list[str], list
     rows = [
         [
             number_text(shift),
-            *(f"{a[f, p]:.5f}" for f in fields for a in (through.tangential, through.sagittal)),
+            *(_contrast(a[f, p]) for f in fields for a in (through.tangential, through.sagittal)),
         ]
         for p, shift in enumerate(through.shift)
     ]

@@ -52,6 +52,12 @@ def number_text(value: Any, digits: int = 6) -> str:
     return text.removeprefix("-") if float(text) == 0 else text
 
 
+def print_notes(notes: Sequence[str]) -> None:
+    """What limits the accuracy of what was printed."""
+    for note in notes:
+        print(f"note: {note}")
+
+
 def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
     """A table, labels to the left, numbers to the right, as wide as it needs to be."""
     table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), show_header=any(columns))

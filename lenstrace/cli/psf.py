@@ -10,9 +10,9 @@ import numpy as np
 
 from lenstrace.analysis.encircled import EncircledEnergy, encircled_energy, radius_of
 from lenstrace.analysis.psf import METHODS, Psf, psf
-from lenstrace.cli.output import add_common, number_text, print_json, print_table
+from lenstrace.cli.design import add_design, load_design
+from lenstrace.cli.output import number_text, print_json, print_notes, print_table
 from lenstrace.cli.spots import field_text
-from lenstrace.io.native import load
 from lenstrace.plotting.files import save_figure
 from lenstrace.plotting.psf import psf_figure
 from lenstrace.sequential.lens import Lens
@@ -24,7 +24,7 @@ PARTS = (0.5, 0.8)
 def add_parser(commands: Any) -> None:
     """Register the command."""
     parser = commands.add_parser("psf", help="point spreads by diffraction, Strehl ratios, encircled energy")
-    add_common(parser)
+    add_design(parser)
     parser.add_argument("--samples", type=int, metavar="N", help="across the pupil, even (as the aberrations need)")
     parser.add_argument("--method", choices=METHODS, default="auto", help="how waves are summed (auto)")
     parser.add_argument("--full", action="store_true", help="with --json: the densities at all points too")
@@ -34,7 +34,7 @@ def add_parser(commands: Any) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Print the point spreads of a design."""
-    lens = load(arguments.design)
+    lens = load_design(arguments)
     found = psf(lens, samples=arguments.samples, method=arguments.method)
     energy = jax.device_get(encircled_energy(found))
     found = jax.device_get(found)
@@ -48,6 +48,7 @@ def run(arguments: argparse.Namespace) -> None:
     print_table(title, *_rows(lens, found))
     print_table("All wavelengths by weight, circles about the centroid", *_energy_rows(lens, found, energy))
     print(f"method {found.method}: {found.reason}")
+    print_notes(found.notes)
     if arguments.plot:
         print(f"wrote {arguments.plot}")
 
@@ -83,6 +84,7 @@ def psf_keys(lens: Lens, found: Psf, energy: EncircledEnergy, full: bool) -> dic
     return {
         "method": found.method,
         "reason": found.reason,
+        "notes": found.notes,
         "points": len(found.position),
         "pixel": found.position[1] - found.position[0],
         "radius": energy.radius,

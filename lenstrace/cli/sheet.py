@@ -7,8 +7,8 @@ import sys
 from typing import Any
 
 from lenstrace.analysis.sheet import sheet
-from lenstrace.cli.output import add_common, print_json
-from lenstrace.io.native import load
+from lenstrace.cli.design import add_design, load_design
+from lenstrace.cli.output import print_json
 from lenstrace.plotting.files import check_format, save_figure
 from lenstrace.plotting.sheet import sheet_figure
 
@@ -16,18 +16,15 @@ from lenstrace.plotting.sheet import sheet_figure
 def add_parser(commands: Any) -> None:
     """Register the command."""
     parser = commands.add_parser("sheet", help="one page about a lens, to print")
-    add_common(parser)
+    add_design(parser)
     parser.add_argument("-o", "--output", metavar="FILE", required=True, help="the page to write (pdf, png or svg)")
-    parser.add_argument("--clip", action="store_true", help="semi-diameters stop rays, as apertures do")
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Write the page of a design."""
     check_format(arguments.output)
-    lens = load(arguments.design)
-    if arguments.clip:
-        lens = lens.replace(clip_at_semi_diameters=True)
+    lens = load_design(arguments)
     page = sheet(lens, _tell if sys.stderr.isatty() else None)
     save_figure(sheet_figure(page), arguments.output)
     if arguments.json:

@@ -11,9 +11,9 @@ import numpy as np
 from lenstrace.analysis.spot_figures import SpotErrors, Spots, loss_text
 from lenstrace.analysis.spots import spots
 from lenstrace.analysis.vignetting import Vignetting, vignetting
-from lenstrace.cli.output import add_common, number_text, print_json, print_table
+from lenstrace.cli.design import add_design, load_design
+from lenstrace.cli.output import number_text, print_json, print_table
 from lenstrace.errors import RayError
-from lenstrace.io.native import load
 from lenstrace.plotting.files import save_figure
 from lenstrace.plotting.spots import spots_figure
 from lenstrace.sequential.lens import Lens
@@ -25,7 +25,7 @@ EDGES = ("top", "bottom", "right", "left")
 def add_parser(commands: Any) -> None:
     """Register the command."""
     parser = commands.add_parser("spots", help="spot sizes per field and wavelength")
-    add_common(parser)
+    add_design(parser)
     parser.add_argument("--rings", type=int, help="rings of the hexapolar pattern, or the density of the others (6)")
     parser.add_argument("--pattern", choices=PATTERNS, help="how the pupil is sampled (hexapolar)")
     parser.add_argument(
@@ -34,7 +34,6 @@ def add_parser(commands: Any) -> None:
         metavar="T",
         help="relative error of each RMS: rays are chosen by need, and errors estimated",
     )
-    parser.add_argument("--clip", action="store_true", help="semi-diameters stop rays, as apertures do")
     parser.add_argument(
         "--vignetting", action="store_true", help="find the part of the pupil that each field fills, and sample that"
     )
@@ -44,9 +43,7 @@ def add_parser(commands: Any) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Print the spots of a design."""
-    lens = load(arguments.design)
-    if arguments.clip:
-        lens = lens.replace(clip_at_semi_diameters=True)
+    lens = load_design(arguments)
     if arguments.tolerance is not None and (arguments.vignetting or arguments.pattern or arguments.rings is not None):
         raise RayError("--tolerance chooses the rays by itself: leave out --pattern, --rings and --vignetting")
     filled = vignetting(lens) if arguments.vignetting else None

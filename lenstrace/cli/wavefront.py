@@ -11,9 +11,9 @@ import numpy as np
 from lenstrace.analysis.path_difference import REFERENCES
 from lenstrace.analysis.wavefront import SAMPLES, Wavefront, wavefront, zernike_coefficients
 from lenstrace.analysis.zernike import ORDERS, ZernikeFit, zernike_index, zernike_name
-from lenstrace.cli.output import add_common, number_text, print_json, print_table
+from lenstrace.cli.design import add_design, load_design
+from lenstrace.cli.output import number_text, print_json, print_notes, print_table
 from lenstrace.cli.spots import field_text
-from lenstrace.io.native import load
 from lenstrace.plotting.files import save_figure
 from lenstrace.plotting.wavefront import pupil_maps, wavefront_figure
 from lenstrace.sequential.lens import Lens
@@ -39,7 +39,7 @@ ROUGH = 0.3
 def add_parser(commands: Any) -> None:
     """Register the command."""
     parser = commands.add_parser("wavefront", help="wavefront errors, Strehl ratios and Zernike coefficients")
-    add_common(parser)
+    add_design(parser)
     parser.add_argument("--samples", type=int, default=SAMPLES, help=f"of the grid across the pupil ({SAMPLES})")
     parser.add_argument("--reference", choices=REFERENCES, default="chief", help="centre of the sphere (chief)")
     parser.add_argument("--zernike", choices=tuple(ORDERS), default="fringe", help="order of the terms (fringe)")
@@ -50,7 +50,7 @@ def add_parser(commands: Any) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Print the wavefront errors of a design."""
-    lens = load(arguments.design)
+    lens = load_design(arguments)
     front = jax.device_get(wavefront(lens, samples=arguments.samples, reference=arguments.reference))
     fit = jax.device_get(zernike_coefficients(front, order=arguments.zernike, count=arguments.terms))
     if arguments.plot:
@@ -66,6 +66,7 @@ def run(arguments: argparse.Namespace) -> None:
     print_table(f"Zernike terms ({fit.order}) at {lens.wavelengths.um[primary]:g} um, waves", *_zernike_rows(lens, fit))
     for note in _notes(front, fit):
         print(note)
+    print_notes(front.notes)
     if arguments.plot:
         print(f"wrote {arguments.plot}")
 
@@ -74,6 +75,7 @@ def wavefront_keys(lens: Lens, front: Wavefront, fit: ZernikeFit, reference: str
     """The object that --json prints; all in waves of each wavelength."""
     return {
         "reference": reference,
+        "notes": front.notes,
         "zernike_order": fit.order,
         "terms": [{"number": number, "n": n, "m": m, "name": zernike_name(n, m)} for number, n, m in _terms(fit)],
         "wavefronts": [
@@ -97,7 +99,7 @@ def _rows(lens: Lens, front: Wavefront) -> tuple[list[str], list[list[str]]]:
             field_text(lens, f),
             f"{um:g}",
             *(_waves(getattr(front, name)[f, w]) for name in FIGURES if name not in STREHL),
-            *(f"{getattr(front, name)[f, w]:.6f}" for name in STREHL),
+            *(_fixed(getattr(front, name)[f, w]) for name in STREHL),
         ]
         for f in range(len(lens.fields.y))
         for w, um in enumerate(lens.wavelengths.um)
@@ -122,6 +124,10 @@ def _terms(fit: ZernikeFit) -> list[tuple[int, int, int]]:
     first = ORDERS[fit.order]
     numbers = range(first, first + fit.coefficients.shape[-1])
     return [(number, *zernike_index(fit.order, number)) for number in numbers]
+
+
+def _fixed(value: Any) -> str:
+    return f"{value:.6f}" if np.isfinite(value) else "-"
 
 
 def _waves(value: Any) -> str:

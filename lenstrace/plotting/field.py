@@ -50,7 +50,13 @@ def plot_distortion(result: Distortion, lens: Lens, axes: Axes | None = None) ->
     """Distortion against field, of the primary wavelength. Returns the axes."""
     axes = _axes(axes)
     angles = lens.fields.kind == "angle"
-    _curve(axes, result.percent, result.field, color=FIELD_COLOURS[0], label="f tan θ" if angles else "height")
+    _curve(
+        axes,
+        result.percent,
+        result.field,
+        color=FIELD_COLOURS[0],
+        label="from paraxial height" if angles else "from slope x height",
+    )
     if np.isfinite(np.asarray(result.f_theta_percent)).any():
         _curve(axes, result.f_theta_percent, result.field, color=FIELD_COLOURS[1], linestyle="--", label="f θ")
     return _against_field(axes, lens, "distortion, %", "Distortion")
@@ -97,7 +103,7 @@ def plot_axial_colour(result: AxialColour, lens: Lens, axes: Axes | None = None)
 def plot_illumination(result: Illumination, lens: Lens, axes: Axes | None = None) -> Axes:
     """Relative illumination, and the part of the pupil that arrives, against field. Returns the axes."""
     axes = _axes(axes)
-    axes.plot(result.field, result.relative, ".-", color=FIELD_COLOURS[0], label="relative illumination")
+    axes.plot(result.field, result.relative, ".-", color=FIELD_COLOURS[0], label="relative solid angle")
     axes.plot(result.field, result.fraction, ".--", color=FIELD_COLOURS[1], label="part of the pupil")
     axes.set_ylim(0, 1.05 * float(np.nanmax([1.0, *result.relative])))
     axes.set(xlabel=_field_label(lens), ylabel="fraction")

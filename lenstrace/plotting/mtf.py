@@ -26,7 +26,9 @@ def plot_mtf(mtf: Mtf, lens: Lens, axes: Axes | None = None, *, geometric: Geome
     axes = _new_axes(axes)
     frequency = np.asarray(mtf.frequency)
     limits = np.concatenate([np.asarray(mtf.limit_tangential), np.asarray(mtf.limit_sagittal)])
-    axes.plot(frequency, limits.max(0), color=LIMIT, linewidth=1.2, label="diffraction limit")
+    limits = limits[np.isfinite(limits).all(-1)]
+    if len(limits):
+        axes.plot(frequency, limits.max(0), color=LIMIT, linewidth=1.2, label="diffraction limit")
     _pairs(axes, lens, frequency, mtf.tangential, mtf.sagittal)
     if geometric is not None:
         for f, colour in enumerate(colours(len(lens.fields.y))):
@@ -79,6 +81,8 @@ def mtf_figure(
 
 def _pairs(axes: Axes, lens: Lens, across: np.ndarray, tangential: Any, sagittal: Any) -> None:
     for f, colour in enumerate(colours(len(lens.fields.y))):
+        if not np.isfinite(np.asarray(tangential)[f]).any():
+            continue
         field = field_text(float(lens.fields.x[f]), float(lens.fields.y[f]), lens.fields.unit)
         axes.plot(across, np.asarray(tangential)[f], color=colour, linewidth=1.5, label=field)
         axes.plot(across, np.asarray(sagittal)[f], color=colour, linewidth=1.5, linestyle="--")

@@ -44,7 +44,8 @@ def plot_psf(
     density, position = np.asarray(psf.polychromatic), np.asarray(psf.position)
     highest = np.max(density, (-2, -1))
     relative = density / np.where(highest > 0, highest, 1)[:, None, None]
-    lit = np.max(relative, 0) > SHOWN
+    # a field without light is nan, and its panel empty
+    lit = np.max(np.nan_to_num(relative), 0) > SHOWN
     far = np.abs(position)[np.any(lit, 0) | np.any(lit, 1)]
     pixel = float(position[1] - position[0])
     half = max(float(np.max(far, initial=0)) * 1.1, LEAST_PIXELS * pixel) * UM_PER_MM
@@ -65,7 +66,9 @@ def plot_psf(
         panel.set_xlabel("x, µm")
         panel.set_ylabel("y, µm")
         field = field_text(float(lens.fields.x[f]), float(lens.fields.y[f]), lens.fields.unit)
-        panel.set_title(f"{field}\npeak {highest[f] / psf.polychromatic_peak[f]:.3g} of perfect", fontsize="medium")
+        light = np.isfinite(highest[f])
+        peak = f"peak {highest[f] / psf.polychromatic_peak[f]:.3g} of perfect" if light else "no ray arrives"
+        panel.set_title(f"{field}\n{peak}", fontsize="medium")
         panel.tick_params(labelsize="small")
     if image is not None:
         bar = axes[0].figure.colorbar(image, ax=list(axes), shrink=0.8)
@@ -81,6 +84,8 @@ def plot_encircled(energy: EncircledEnergy, lens: Lens, axes: Axes | None = None
         axes = pyplot.figure(layout="constrained").add_subplot()
     radius = np.asarray(energy.radius) * UM_PER_MM
     for f, colour in enumerate(colours(len(lens.fields.y))):
+        if not np.isfinite(energy.within[f]):
+            continue
         field = field_text(float(lens.fields.x[f]), float(lens.fields.y[f]), lens.fields.unit)
         axes.plot(radius, np.asarray(energy.circle)[f], color=colour, linewidth=1.5, label=field)
         axes.axhline(float(energy.within[f]), color=colour, linestyle=":", linewidth=0.8)

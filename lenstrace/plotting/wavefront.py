@@ -53,7 +53,8 @@ def plot_wavefront(front: Wavefront, lens: Lens, axes: Sequence[Axes] | None = N
         panel.set_xlabel("px")
         panel.set_ylabel("py")
         field = field_text(float(lens.fields.x[f]), float(lens.fields.y[f]), lens.fields.unit)
-        panel.set_title(f"{field}\nRMS {rms[f]:.3g}, P-V {valley[f]:.3g} waves", fontsize="medium")
+        figures = f"RMS {rms[f]:.3g}, P-V {valley[f]:.3g} waves" if np.isfinite(rms[f]) else "no ray arrives"
+        panel.set_title(f"{field}\n{figures}", fontsize="medium")
         panel.tick_params(labelsize="small")
     if image is not None:
         bar = axes[0].figure.colorbar(image, ax=list(axes), shrink=0.8)

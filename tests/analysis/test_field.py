@@ -300,7 +300,7 @@ def test_command(mirror: Lens, tmp_path: Path, capsys: pytest.CaptureFixture[str
     lenstrace.save(flat, tmp_path / "flat.toml")
     for wrong, said in (
         (["field", str(tmp_path / "flat.toml")], "image_height needs an image"),
-        ([*asked[:-1], "0"], "at least 1, got 0"),
+        ([*asked[:-1], "0"], "at least 1 and at most 10001, got 0"),
     ):
         arguments = parser.parse_args(wrong)
         with pytest.raises(LensTraceError, match=said):

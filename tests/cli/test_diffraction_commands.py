@@ -12,6 +12,9 @@ from numpy.testing import assert_allclose
 from lenstrace.cli import mtf, psf
 from lenstrace.errors import ImageError, RayError
 
+# commands print them, as notes
+pytestmark = pytest.mark.filterwarnings("ignore::lenstrace.AccuracyWarning")
+
 DESIGNS = Path(__file__).parents[2] / "designs"
 HUBBLE, EXPANDER = (str(DESIGNS / f"{name}.toml") for name in ("hubble", "afocal_expander"))
 

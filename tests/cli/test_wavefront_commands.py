@@ -61,7 +61,7 @@ def test_obscured_rays_are_null(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_wavefront_of_the_double_gauss(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     found = run(capsys, "wavefront", GAUSS, "--samples", "33", "--zernike", "noll", "--terms", "11")
-    assert list(found) == ["reference", "zernike_order", "terms", "wavefronts"]
+    assert list(found) == ["reference", "notes", "zernike_order", "terms", "wavefronts"]
     assert found["terms"][3] == {"number": 4, "n": 2, "m": 0, "name": "defocus"}
     assert len(found["wavefronts"]) == 9
     on_axis = found["wavefronts"][1]
