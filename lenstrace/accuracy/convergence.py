@@ -4,8 +4,10 @@ At each step a question is answered by two rules whose leading errors are of equ
 Gauss's and Lobatto's quadrature. The answer is their mean; where the truth lies between the two, its error is at most
 half their difference d. Both may happen to err alike. That is unlikely twice in a row: d is not taken to be less than
 KEPT of what the two steps before foretell, d_(i-1) times d_(i-1) / d_(i-2), where d falls quickly; where it does not,
-as for integrands with kinks, not less than d_(i-1) itself. SHARE of it is the estimate; the first step, with nothing
-before it, is trusted less.
+as for integrands with kinks, not less than d_(i-1) itself. SHARE of it is the estimate, or SLOW_SHARE; the first step,
+with nothing before it, is trusted less. (The constants make the estimates of the spots of some 1,000 lenses hold in more
+than 99 %, the median below 20 times the error; `tests/benchmarks/honesty.py` counts on others. A kink of an integrand
+of one variable may err by twice the estimate.)
 """
 
 from __future__ import annotations
@@ -17,7 +19,7 @@ import numpy as np
 
 from lenstrace.errors import AccuracyError
 
-SHARE = 0.55
+SHARE, SLOW_SHARE = 0.42, 0.55
 KEPT = 0.4
 SLOWLY = 0.1
 # What is foretold of the second step, of the first one's difference.
@@ -84,11 +86,12 @@ def estimate(before: Sequence[np.ndarray], difference: np.ndarray) -> np.ndarray
     """The error of the mean of two rules, from their difference, and from those at the steps before."""
     if not before:
         return difference
-    foretold = FIRST_RATIO * KEPT * before[-1]
+    foretold, share = FIRST_RATIO * KEPT * before[-1], np.full_like(difference, SHARE)
     if len(before) > 1:
         ratio = np.divide(before[-1], before[-2], out=np.ones_like(before[-1]), where=before[-2] > before[-1])
         foretold = np.where(ratio > SLOWLY, 1.0, KEPT * ratio) * before[-1]
-    return SHARE * np.maximum(difference, foretold)
+        share = np.where(ratio > SLOWLY, SLOW_SHARE, SHARE)
+    return share * np.maximum(difference, foretold)
 
 
 def check_tolerance(tolerance: Any) -> None:
