@@ -59,7 +59,9 @@ def fans(lens: Lens, *, points: int = POINTS, reference: str = "primary") -> Fan
     check_reference(reference)
     whole = isinstance(points, int | np.integer) and not isinstance(points, bool)
     if not whole or not 3 <= points <= MOST_POINTS or points % 2 == 0:
-        raise RayError(f"points of a fan must be an odd whole number, at least 3 and at most {MOST_POINTS}, got {points!r}")
+        raise RayError(
+            f"points of a fan must be an odd whole number, at least 3 and at most {MOST_POINTS}, got {points!r}"
+        )
     along, none = np.linspace(-1, 1, points), np.zeros(points)
     arrived = image_rays(lens, np.append(none, along), np.append(along, none))
     result = _fans(arrived, Sphere(reference))

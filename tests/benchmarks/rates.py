@@ -86,7 +86,7 @@ def gradient() -> Table:
         table.notes.append(
             "C, value: one pass of sums; with the gradient a second one, there and back, about the centroid"
         )
-    table.notes += ["value: two passes, centroid and squares; no ray is written", *missing]
+    table.notes += ["value: one pass of moments; no ray is written", *missing]
     table.notes.append("peak memory of the gradient: section memory")
     return table
 

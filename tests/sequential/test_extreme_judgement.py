@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -17,7 +19,7 @@ from lenstrace.sequential.reference_layout import layout_of
 from lenstrace.sequential.reference_surface import surfaces_of_system
 
 PRECISIONS = ("float32", "float64")
-LAUNCHED, GRADIENT = 4.0, 32.0  # what right ones keep to, derivatives for each surface crossed
+LAUNCHED, GRADIENT = 4.0, 64.0  # what right ones keep to, derivatives for each surface crossed
 CASES = {case.name: case for case in cases()}
 
 
@@ -63,8 +65,13 @@ def test_the_judgement_sees_a_doubled_height(trial: Trial, precision: str) -> No
         assert launch_error(judge, wrong, eps) > 1000 * LAUNCHED or abs(start[place]) < 1e-4
 
 
-@pytest.mark.parametrize("name", ["index 4", "telecentric: pupils at infinity", "300 surfaces"])
-@pytest.mark.parametrize("precision", PRECISIONS)
+@pytest.mark.parametrize(
+    ("name", "precision"),
+    [
+        *itertools.product(["index 4", "telecentric: pupils at infinity"], PRECISIONS),
+        ("300 surfaces", "float64"),  # takes 20 s
+    ],
+)
 def test_the_judgement_sees_a_wrong_derivative(name: str, precision: str) -> None:
     """Each result's derivative by each group of numbers, however small against those of other results; and those by
     field and pupil."""

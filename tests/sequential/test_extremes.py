@@ -13,7 +13,7 @@ from lenstrace.analysis.extremes.judging import Errors, extremes, judged
 MOST = 16.0  # C for each surface crossed; and for a whole lens of up to 20 surfaces
 SHORT = 20
 LAUNCHED = 4.0
-GRADIENT = 32.0  # of derivatives, for each surface crossed
+GRADIENT = 64.0  # of derivatives, for each surface crossed
 PRECISIONS = ("float32", "float64")
 CASES = {case.name: case for case in cases()}
 
@@ -37,8 +37,8 @@ def test_the_named_extremes(name: str) -> None:
 
 def test_every_extreme_is_run_and_progress_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     fine = Errors(1.0, 1.0, 0.0, True, True, True, 1.0, 1)
-    monkeypatch.setattr("lenstrace.analysis.extremes._errors", lambda *_: fine)
-    monkeypatch.setattr("lenstrace.analysis.extremes._scales", lambda *_: True)
+    monkeypatch.setattr("lenstrace.analysis.extremes.judging._errors", lambda *_: fine)
+    monkeypatch.setattr("lenstrace.analysis.extremes.judging._scales", lambda *_: True)
     told: list[tuple[int, int, str]] = []
     found = extremes(lambda *progress: told.append(progress))
     assert [extreme.name for extreme in found] == list(CASES)
