@@ -5,9 +5,9 @@ Gauss's and Lobatto's quadrature. The answer is their mean; where the truth lies
 half their difference d. Both may happen to err alike. That is unlikely twice in a row: d is not taken to be less than
 KEPT of what the two steps before foretell, d_(i-1) times d_(i-1) / d_(i-2), where d falls quickly; where it does not,
 as for integrands with kinks, not less than d_(i-1) itself. SHARE of it is the estimate, or SLOW_SHARE; the first step,
-with nothing before it, is trusted less. (The constants make the estimates of the spots of some 1,000 lenses hold in more
-than 99 %, the median below 20 times the error; `tests/benchmarks/honesty.py` counts on others. A kink of an integrand
-of one variable may err by twice the estimate.)
+with nothing before it, is trusted less. (The constants make the estimates for the spots of some 1,000 lenses hold in
+more than 99 %, the median below 20 times the error; `tests/benchmarks/honesty.py` counts on others. For a kink in an
+integrand of one variable the error may be twice the estimate.)
 """
 
 from __future__ import annotations
