@@ -13,6 +13,7 @@ from lenstrace.analysis.conditions import with_image
 from lenstrace.compute.compiled import compiled
 from lenstrace.compute.pytree import pytree
 from lenstrace.compute.totals import moving, total
+from lenstrace.optics.rays import Ray
 from lenstrace.sequential.launch import Front, launch
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.sampling import PupilPoints, pupil_points
@@ -48,8 +49,8 @@ def mean_square_spot(lens: Lens, *, pattern: str = "hexapolar", rings: int = 6) 
 def _mean_square(lens: Imaged, pupil: PupilPoints) -> jax.Array:
     """In one pass over the rays: of their moments about a place near the centroid, so that no digits cancel."""
     few = jax.tree.map(lambda p: p[:: 1 + p.shape[0] // FEW], pupil)
-    near = _centres(lens, few)[0]
     fields, waves = _pairs(lens)
+    near = _pooled_places(total(_courses, lens, (fields, waves), few), lens.weights)[0]
     moments = total(_moments, lens, (fields, waves, jnp.repeat(near, len(lens.weights), 0)), pupil)
     return _pooled_moments(moments, lens.weights)
 
@@ -89,7 +90,8 @@ def _about(lens: Imaged, pupil: Any, centres: jax.Array, rays: jax.Array) -> jax
 def _pooled_moments(sums: Any, weights: jax.Array) -> jax.Array:
     weight, x, y, squares = (a.reshape(-1, len(weights)) @ weights for a in sums)
     each = jnp.where(weight > 0, weight, jnp.nan)
-    return squares / each - (x / each) ** 2 - (y / each) ** 2
+    # of a perfect spot rounding is left, of either sign
+    return jnp.maximum(squares / each - (x / each) ** 2 - (y / each) ** 2, 0)
 
 
 @compiled
@@ -111,6 +113,13 @@ def _places(lens: Imaged, case: tuple[jax.Array, jax.Array], pupil: Any) -> tupl
     return weight, weight * x, weight * y
 
 
+def _courses(lens: Imaged, case: tuple[jax.Array, jax.Array], pupil: Any) -> tuple[jax.Array, jax.Array, jax.Array]:
+    """As `_places`, of rays that have a course to the image, also where an aperture stops them."""
+    image = _image(lens, *case, pupil)
+    weight = jnp.where(image.has_course, pupil.weight, 0)
+    return weight, weight * image.x, weight * image.y
+
+
 def _moments(lens: Imaged, case: tuple[jax.Array, jax.Array, jax.Array], pupil: Any) -> tuple[jax.Array, ...]:
     """Of each ray: its weight where it arrives, else 0, and that times x, y and the square of both from a place."""
     field, wave, place = case
@@ -128,9 +137,12 @@ def _squares(lens: Imaged, case: tuple[jax.Array, jax.Array, jax.Array], pupil: 
 
 def _arriving(lens: Imaged, field: jax.Array, wave: jax.Array, pupil: Any) -> tuple[jax.Array, jax.Array, jax.Array]:
     """x and y at the image, and the weight of a ray where it arrives, else 0."""
+    image = _image(lens, field, wave, pupil)
+    return image.x, image.y, jnp.where(image.ok, pupil.weight, 0)
+
+
+def _image(lens: Imaged, field: jax.Array, wave: jax.Array, pupil: Any) -> Ray:
     index = lax.dynamic_index_in_dim(lens.index, wave, keepdims=False)
     angles = lax.dynamic_index_in_dim(lens.fields, field, keepdims=False)
-    image = trace(
-        lens.front.system.with_index(index), launch(lens.front, index, (angles[0], angles[1]), (pupil.x, pupil.y))
-    )
-    return image.x, image.y, jnp.where(image.ok, pupil.weight, 0)
+    launched = launch(lens.front, index, (angles[0], angles[1]), (pupil.x, pupil.y))
+    return trace(lens.front.system.with_index(index), launched)

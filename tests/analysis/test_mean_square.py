@@ -114,3 +114,22 @@ def test_single_precision_stays_single(lens: Lens) -> None:
     single = squares(lens.astype(jnp.float32))
     assert single.dtype == jnp.float32
     assert_allclose(single, squares(lens), rtol=2e-3)
+
+
+def test_a_perfect_spot_is_not_negative() -> None:
+    rows = [{"thickness": 100.0, "stop": True}, {"radius": -200.0, "conic": -1.0, "thickness": -100.0, "mirror": True}]
+    lens = lenstrace.lens(rows, {"entrance_pupil_diameter": 40.0}, [0.0], [0.55])
+    for precision, least in (("float64", 1e-28), ("float32", 1e-10)):
+        found = float(lenstrace.mean_square_spot(lens.astype(precision))[0])
+        assert 0 <= found < least
+
+
+@pytest.mark.parametrize("precision", ["float32", "float64"])
+def test_a_spot_of_few_rays_far_off_the_axis(precision: str, designs: dict[str, Lens]) -> None:
+    """An aperture stops all rays that tell where the centroid is: no digits may cancel."""
+    ring = designs["double_gauss"].replace(surface=1, aperture={"annulus": (9.6, 9.9)}, decenter=(0.0, 0.0))
+    lens = ring.replace(fields=lenstrace.Fields((0.0,), (14.0,), "angle")).astype(precision)
+    found = lenstrace.spots(lens, rings=40)
+    expected = float(found.polychromatic.rms_centroid[0]) ** 2
+    assert 0 < int(found.lost[0, 0]) < found.rays
+    assert float(lenstrace.mean_square_spot(lens, rings=40)[0]) == pytest.approx(expected, rel=1e-3)
