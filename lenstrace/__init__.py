@@ -16,6 +16,7 @@ import jax
 if "JAX_ENABLE_X64" not in os.environ:
     jax.config.update("jax_enable_x64", True)
 
+from lenstrace import phenomena
 from lenstrace.analysis.cardinal import Overview, first_order, overview
 from lenstrace.analysis.mean_square import mean_square_spot
 from lenstrace.analysis.newton import NewtonCheck, newton_check
@@ -31,6 +32,7 @@ from lenstrace.errors import (
     LensTraceError,
     LostRaysError,
     MediumError,
+    OptionError,
     PrescriptionError,
     RayError,
     UnknownGlassError,
@@ -73,6 +75,7 @@ if TYPE_CHECKING:
     from lenstrace.io.native import dumps, load, loads, save
     from lenstrace.plotting.aberrations import plot_seidel
     from lenstrace.plotting.cardinal import plot_first_order
+    from lenstrace.plotting.demonstration import plot_demonstration
     from lenstrace.plotting.fans import plot_fans
     from lenstrace.plotting.field import (
         plot_axial_colour,
@@ -122,6 +125,7 @@ __all__ = [
     "MediumError",
     "Mtf",
     "NewtonCheck",
+    "OptionError",
     "Overview",
     "PrescriptionError",
     "Psf",
@@ -162,7 +166,9 @@ __all__ = [
     "mtf_through_focus",
     "newton_check",
     "overview",
+    "phenomena",
     "plot_axial_colour",
+    "plot_demonstration",
     "plot_distortion",
     "plot_distortion_grid",
     "plot_encircled",
@@ -243,6 +249,7 @@ _IMPORTED_WHEN_USED = {
     "mtf": "lenstrace.analysis.mtf",
     "mtf_through_focus": "lenstrace.analysis.mtf",
     "plot_axial_colour": "lenstrace.plotting.field",
+    "plot_demonstration": "lenstrace.plotting.demonstration",
     "plot_distortion": "lenstrace.plotting.field",
     "plot_distortion_grid": "lenstrace.plotting.field",
     "plot_encircled": "lenstrace.plotting.psf",

@@ -15,7 +15,7 @@ from lenstrace.errors import AccuracyWarning, LensTraceError
 
 COMMANDS = (
     *("report", "spots", "trace", "draw", "seidel", "fans", "field", "wavefront", "psf", "mtf", "focus", "sheet"),
-    "trade",
+    *("trade", "demo"),
 )
 USAGE_ERROR, INTERRUPTED = 2, 130
 
@@ -24,7 +24,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command; 0, 2 after one line on standard error that says what is wrong, or 130 after Ctrl-C."""
     parser = _OneLineParser(
         prog="lenstrace",
-        description="Trace lenses: first-order figures, rays, spots, aberrations, wavefronts, diffraction, drawings.",
+        description="Trace lenses: first-order figures, rays, spots, aberrations, wavefronts, diffraction, drawings, "
+        "demonstrations.",
     )
     parser.add_argument("--version", action="version", version=f"lenstrace {__version__}")
     try:

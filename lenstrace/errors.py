@@ -8,6 +8,7 @@
     |- RayError              rays that cannot be launched: an un-normalized direction, a field that is not a number
     |- LostRaysError         a question whose rays all fail
     |- ImageError            a question that needs an image, where the image is at infinity
+    |- OptionError           an option of a demonstration out of its range
     `- AccuracyError         a trade or an accuracy that cannot be had
 
     AccuracyWarning (a UserWarning)  a result less accurate than it looks
@@ -46,6 +47,10 @@ class LostRaysError(LensTraceError):
 
 class ImageError(LensTraceError):
     """A question that needs an image where there is none, because it is at infinity."""
+
+
+class OptionError(LensTraceError):
+    """An option of a demonstration out of its range."""
 
 
 class AccuracyError(LensTraceError):

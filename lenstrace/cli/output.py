@@ -19,8 +19,8 @@ def add_common(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print one JSON object, numbers in full precision")
 
 
-def print_json(value: dict[str, Any]) -> None:
-    """One JSON object on standard output; numbers that are not finite are null."""
+def print_json(value: dict[str, Any] | list[Any]) -> None:
+    """One JSON object, or a list of them, on standard output; numbers that are not finite are null."""
     print(json.dumps(plain(value), allow_nan=False))
 
 

@@ -5,17 +5,13 @@ from __future__ import annotations
 import argparse
 import dataclasses
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
 from typing import Any
 
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
-
 from lenstrace.accuracy.trade import Outcome
-from lenstrace.accuracy.trade import Progress as Report
 from lenstrace.analysis.extremes.judging import Extreme, extremes
 from lenstrace.analysis.trade import QUANTITIES, LensTrade, trade
 from lenstrace.cli.output import number_text, print_json, print_table
+from lenstrace.cli.progress import progress
 from lenstrace.errors import AccuracyError
 from lenstrace.io.native import load
 from lenstrace.plotting.files import check_target, save_figure
@@ -51,7 +47,7 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.plot:
         check_target(arguments.plot)
     lens = load(arguments.design)
-    with _bar("settings") as report:
+    with progress("settings") as report:
         found = trade(
             lens, arguments.quantity or "spot", field=arguments.field, tolerance=arguments.tolerance, progress=report
         )
@@ -151,7 +147,7 @@ def _run_extremes(arguments: argparse.Namespace) -> None:
         raise AccuracyError(
             f"--extremes goes with --json alone: it has lenses of its own; leave out {', '.join(given)}"
         )
-    with _bar("extremes") as report:
+    with progress("extremes") as report:
         found = extremes(lambda done, total, _: report(done, total))
     if arguments.json:
         print_json({"extremes": [dataclasses.asdict(each) for each in found]})
@@ -185,17 +181,3 @@ def _extreme_row(each: Extreme) -> list[str]:
 
 def _yes(value: bool) -> str:
     return "yes" if value else "NO"
-
-
-@contextmanager
-def _bar(what: str) -> Iterator[Report]:
-    """A progress bar on standard error, where that is a terminal."""
-    columns = TextColumn(what), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
-    console = Console(stderr=True)
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
-        task = bar.add_task(what, total=None)
-
-        def report(done: int, total: int) -> None:
-            bar.update(task, completed=done, total=total)
-
-        yield report

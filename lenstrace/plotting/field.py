@@ -11,7 +11,8 @@ from lenstrace.analysis.colour import AxialColour, LateralColour, LongitudinalAb
 from lenstrace.analysis.distortion import Distortion, DistortionGrid
 from lenstrace.analysis.field_curvature import FieldCurvature
 from lenstrace.analysis.illumination import Illumination, IncidenceAngles
-from lenstrace.plotting.layout import FIELD_COLOURS, FIELD_TITLES, colours
+from lenstrace.plotting.colours import PALETTE, colours
+from lenstrace.plotting.layout import FIELD_TITLES
 from lenstrace.plotting.spots import SPECTRUM
 from lenstrace.sequential.lens import Lens
 
@@ -54,11 +55,11 @@ def plot_distortion(result: Distortion, lens: Lens, axes: Axes | None = None) ->
         axes,
         result.percent,
         result.field,
-        color=FIELD_COLOURS[0],
+        color=PALETTE[0],
         label="from paraxial height" if angles else "from slope x height",
     )
     if np.isfinite(np.asarray(result.f_theta_percent)).any():
-        _curve(axes, result.f_theta_percent, result.field, color=FIELD_COLOURS[1], linestyle="--", label="f θ")
+        _curve(axes, result.f_theta_percent, result.field, color=PALETTE[1], linestyle="--", label="f θ")
     return _against_field(axes, lens, "distortion, %", "Distortion")
 
 
@@ -68,7 +69,7 @@ def plot_distortion_grid(result: DistortionGrid, lens: Lens, axes: Axes | None =
     x, y = np.asarray(result.ideal_x), np.asarray(result.ideal_y)
     axes.plot(x, y, color="0.75", linewidth=0.8)
     axes.plot(x.T, y.T, color="0.75", linewidth=0.8)
-    axes.plot(np.ravel(result.x), np.ravel(result.y), "x", color=FIELD_COLOURS[1], markersize=4)
+    axes.plot(np.ravel(result.x), np.ravel(result.y), "x", color=PALETTE[1], markersize=4)
     axes.set_aspect("equal", adjustable="datalim")
     axes.set(xlabel="x, mm", ylabel="y, mm")
     axes.set_title(f"Grid, {lens.wavelengths.um[lens.wavelengths.primary]:g} µm", fontsize="medium")
@@ -103,8 +104,8 @@ def plot_axial_colour(result: AxialColour, lens: Lens, axes: Axes | None = None)
 def plot_illumination(result: Illumination, lens: Lens, axes: Axes | None = None) -> Axes:
     """Relative illumination, and the part of the pupil that arrives, against field. Returns the axes."""
     axes = _axes(axes)
-    axes.plot(result.field, result.relative, ".-", color=FIELD_COLOURS[0], label="relative solid angle")
-    axes.plot(result.field, result.fraction, ".--", color=FIELD_COLOURS[1], label="part of the pupil")
+    axes.plot(result.field, result.relative, ".-", color=PALETTE[0], label="relative solid angle")
+    axes.plot(result.field, result.fraction, ".--", color=PALETTE[1], label="part of the pupil")
     axes.set_ylim(0, 1.05 * float(np.nanmax([1.0, *result.relative])))
     axes.set(xlabel=_field_label(lens), ylabel="fraction")
     axes.set_title("Illumination", fontsize="medium")
@@ -121,9 +122,9 @@ def plot_incidence_angles(result: IncidenceAngles, lens: Lens, axes: Axes | None
     axes.bar(surfaces, np.asarray(result.largest), color="0.88", label="largest")
     for values, name, mark, colour in (
         (result.upper[0], "marginal, axis", "o", "black"),
-        (result.chief[-1], "chief, largest field", "s", FIELD_COLOURS[0]),
-        (result.upper[-1], "upper, largest field", "^", FIELD_COLOURS[1]),
-        (result.lower[-1], "lower, largest field", "v", FIELD_COLOURS[2]),
+        (result.chief[-1], "chief, largest field", "s", PALETTE[0]),
+        (result.upper[-1], "upper, largest field", "^", PALETTE[1]),
+        (result.lower[-1], "lower, largest field", "v", PALETTE[2]),
     ):
         axes.plot(surfaces, np.asarray(values), mark, color=colour, markersize=3.5, label=name)
     low, high = axes.get_ylim()

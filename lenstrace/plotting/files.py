@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,10 +23,27 @@ def save_figure(figure: Figure, path: str | os.PathLike[str]) -> None:
     LensTraceError for another suffix, or where the file cannot be written; nothing is left behind then.
     """
     kind = check_format(path)
+    _written(path, lambda partial: figure.savefig(partial, format=kind, dpi=RESOLUTION))
+
+
+def save_pages(figures: Iterable[Figure], path: str | os.PathLike[str]) -> None:
+    """Write figures as the pages of one pdf; errors as of `save_figure`."""
+    from matplotlib.backends.backend_pdf import PdfPages
+
+    def write(partial: Path) -> None:
+        with PdfPages(partial) as pages:
+            for figure in figures:
+                pages.savefig(figure)
+
+    _written(path, write)
+
+
+def _written(path: str | os.PathLike[str], write: Callable[[Path], None]) -> None:
+    """A file that `write` writes: it appears whole or not at all."""
     target = Path(path).resolve()  # a link is written through, not replaced
     partial = target.with_name(f".{target.name}.partial")
     try:
-        figure.savefig(partial, format=kind, dpi=RESOLUTION)
+        write(partial)
         partial.replace(target)
     except OSError as error:
         raise LensTraceError(f"{path}: cannot be written: {error.strerror}") from None

@@ -10,7 +10,7 @@ import numpy as np
 
 from lenstrace.analysis.focus import BestFocus, ThroughFocus
 from lenstrace.analysis.spot_curves import SpotField, SpotSpectrum
-from lenstrace.plotting.layout import colours
+from lenstrace.plotting.colours import colours
 from lenstrace.plotting.spot_curves import (
     POLYCHROMATIC,
     field_texts,

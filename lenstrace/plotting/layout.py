@@ -7,17 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lenstrace.analysis.layout import Layout, RayBundle, SurfaceDrawing
+from lenstrace.plotting.colours import AXIS, GLASS, IMAGE, MIRROR, NEGATIVE_GLASS, OUTLINE, SCREEN, STOP, colours
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-# The palette of Okabe & Ito (2008), safe for the colour-blind, without the two that are lost on glass or paper.
-FIELD_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#000000")
-# More fields than that take an ordered scale, which is also safe.
-MANY_FIELDS = "viridis"
-GLASS, NEGATIVE_GLASS, OUTLINE = "#DCEBF7", "#F7DDE3", "#34495E"
-MIRROR, STOP, SCREEN, IMAGE, AXIS = "#2B2B2B", "#000000", "#7F7F7F", "#2B2B2B", "#8C8C8C"
 FIELD_TITLES = {"angle": "field", "object_height": "object height", "image_height": "image height"}
 # Inches: the width of a figure, what labels and legend need beside the drawing, the least and largest height.
 WIDTH, BESIDE, LEAST, LARGEST = 10.0, (1.9, 1.0), 2.6, 9.0
@@ -78,17 +73,6 @@ def figure_size(layout: Layout) -> tuple[float, float]:
     beside, above = BESIDE
     wanted = above + (WIDTH - beside) * float(height / width)
     return WIDTH, min(max(wanted, LEAST), LARGEST)
-
-
-def colours(count: int) -> list[str]:
-    """As many colours, distinguishable also by the colour-blind."""
-    if count <= len(FIELD_COLOURS):
-        return list(FIELD_COLOURS[:count])
-    import matplotlib as mpl
-    from matplotlib.colors import to_hex
-
-    scale = mpl.colormaps[MANY_FIELDS]
-    return [to_hex(scale(place)) for place in np.linspace(0, 0.9, count)]
 
 
 def field_text(x: float, y: float, unit: str) -> str:

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lenstrace.analysis.mtf import GeometricMtf, Mtf, ThroughFocusMtf
-from lenstrace.plotting.layout import FIELD_TITLES, colours, field_text
+from lenstrace.plotting.colours import colours
+from lenstrace.plotting.layout import FIELD_TITLES, field_text
 from lenstrace.sequential.lens import Lens
 
 if TYPE_CHECKING:

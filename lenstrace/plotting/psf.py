@@ -9,7 +9,8 @@ import numpy as np
 
 from lenstrace.analysis.encircled import EncircledEnergy
 from lenstrace.analysis.psf import Psf
-from lenstrace.plotting.layout import colours, field_text
+from lenstrace.plotting.colours import colours
+from lenstrace.plotting.layout import field_text
 from lenstrace.sequential.lens import Lens
 
 if TYPE_CHECKING:

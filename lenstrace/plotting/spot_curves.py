@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lenstrace.analysis.spot_curves import SpotField, SpotSpectrum
-from lenstrace.plotting.layout import FIELD_TITLES, colours, field_text
+from lenstrace.plotting.colours import colours
+from lenstrace.plotting.layout import FIELD_TITLES, field_text
 from lenstrace.plotting.spots import LARGE, UM_PER_MM, wavelength_styles
 from lenstrace.sequential.lens import Lens
 

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lenstrace.analysis.spot_figures import Spots
-from lenstrace.plotting.layout import colours, field_text
+from lenstrace.plotting.colours import colours
+from lenstrace.plotting.layout import field_text
 from lenstrace.sequential.lens import Lens
 
 if TYPE_CHECKING:

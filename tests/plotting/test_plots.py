@@ -18,8 +18,9 @@ from lenstrace.analysis.spot_figures import Spots
 from lenstrace.analysis.spots import spots
 from lenstrace.errors import LensTraceError
 from lenstrace.io.native import load
+from lenstrace.plotting.colours import colours
 from lenstrace.plotting.files import save_figure
-from lenstrace.plotting.layout import colours, field_text, figure_size, layout_figure, plot_layout
+from lenstrace.plotting.layout import field_text, figure_size, layout_figure, plot_layout
 from lenstrace.plotting.report import figure_of
 from lenstrace.plotting.spots import plot_spots, spots_figure
 from lenstrace.sequential.lens import Lens

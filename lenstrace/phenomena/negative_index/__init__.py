@@ -1,0 +1,1 @@
+"""Demonstrations of materials whose refractive index is negative."""
