@@ -71,8 +71,9 @@ if TYPE_CHECKING:
     from lenstrace.analysis.trade import LensTrade, trade
     from lenstrace.analysis.wave_focus import wave_focus
     from lenstrace.analysis.wavefront import Wavefront, wavefront, zernike_coefficients
-    from lenstrace.analysis.zernike import fit_zernike, zernike
+    from lenstrace.analysis.zernike import fit_zernike
     from lenstrace.io.native import dumps, load, loads, save
+    from lenstrace.optics.zernike import zernike
     from lenstrace.plotting.aberrations import plot_seidel
     from lenstrace.plotting.cardinal import plot_first_order
     from lenstrace.plotting.demonstration import plot_demonstration
@@ -285,7 +286,7 @@ _IMPORTED_WHEN_USED = {
     "trade": "lenstrace.analysis.trade",
     "wave_focus": "lenstrace.analysis.wave_focus",
     "wavefront": "lenstrace.analysis.wavefront",
-    "zernike": "lenstrace.analysis.zernike",
+    "zernike": "lenstrace.optics.zernike",
     "zernike_coefficients": "lenstrace.analysis.wavefront",
 }
 

@@ -74,7 +74,7 @@ def _one_field(lens: Lens, field: ArrayLike, dtype: Any) -> Any:
 
 
 def _check(lens: Lens, fields: np.ndarray) -> None:
-    """PrescriptionError for what third-order theory cannot describe."""
+    """PrescriptionError for what third-order theory does not describe here."""
     if lens.fields.kind == "angle" and (largest := np.abs(fields).max()) >= math.pi / 2:
         raise PrescriptionError(
             f"fields: third-order theory takes an angle by its tangent, below 90 degrees, got {np.degrees(largest):g}; "
@@ -87,6 +87,11 @@ def _check(lens: Lens, fields: np.ndarray) -> None:
                     f"surface {number}: the asphere term r^{power} aberrates at order {power - 1}, below the third: "
                     "there are no Seidel sums; fit the surface with even powers"
                 )
+        if row.screen is not None:
+            raise PrescriptionError(
+                f"surface {number}: a phase screen ({row.screen.label}) has no Seidel sums; ask for the wavefront and "
+                "its Zernike coefficients"
+            )
 
 
 @compiled

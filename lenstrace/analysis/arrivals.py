@@ -15,7 +15,7 @@ from lenstrace.compute.blocks import each
 from lenstrace.compute.pytree import pytree, static
 from lenstrace.optics.rays import Ray
 from lenstrace.sequential.launch import Front, launch, path_before
-from lenstrace.sequential.system import System
+from lenstrace.sequential.system import Light, System
 from lenstrace.sequential.trace import trace
 
 Keep = Callable[[System, Ray], Any]
@@ -25,7 +25,7 @@ Keep = Callable[[System, Ray], Any]
 class Asked:
     """What is asked of a lens.
 
-    front:  of the lens.                     index: (W, S + 1), its index at each wavelength.
+    front:  of the lens.                     light: of each of its wavelengths.
     keep:   a function of a module, from the system at one wavelength and its rays at the image to the arrays that are
             kept of them; nothing else is written to memory.
     path:   whether the rays carry their optical path, from one wavefront of the object's light.
@@ -33,7 +33,7 @@ class Asked:
     """
 
     front: Front
-    index: Any
+    light: Light
     keep: Keep = static()
     path: bool = static(default=False)
     axial: bool = static(default=False)
@@ -75,15 +75,15 @@ def for_each_field(count: int, dtype: Any, pupil_x: Any, pupil_y: Any) -> tuple[
 def _arriving(asked: Asked, points: tuple[Any, ...]) -> Any:
     """Of rays (N,), all wavelengths: (W, N). points: field x and y, and pupil x and y for each wavelength or once."""
     field_x, field_y, pupil_x, pupil_y = points
-    field, front, indices = (field_x, field_y), asked.front, jnp.asarray(asked.index)
+    field, front, lights = (field_x, field_y), asked.front, jax.tree.map(jnp.asarray, asked.light)
 
-    def at(index: jax.Array, pupil: tuple[jax.Array, jax.Array]) -> Any:
-        system = front.system.with_index(index)
-        ray = launch(front, index, field, pupil)
+    def at(light: Light, pupil: tuple[jax.Array, jax.Array]) -> Any:
+        system = front.system.with_light(light)
+        ray = launch(front, light, field, pupil)
         if asked.path:
-            ray = dataclasses.replace(ray, opl=path_before(front, index, field, ray))
+            ray = dataclasses.replace(ray, opl=path_before(front, light, field, ray))
         return asked.keep(system, trace(system, ray, axial=asked.axial))
 
     if len(pupil_x) == 1:
-        return lax.map(lambda index: at(index, (pupil_x[0], pupil_y[0])), indices)
-    return lax.map(lambda wave: at(wave[0], (wave[1], wave[2])), (indices, jnp.stack(pupil_x), jnp.stack(pupil_y)))
+        return lax.map(lambda light: at(light, (pupil_x[0], pupil_y[0])), lights)
+    return lax.map(lambda wave: at(wave[0], (wave[1], wave[2])), (lights, jnp.stack(pupil_x), jnp.stack(pupil_y)))

@@ -46,7 +46,9 @@ def overview(lens: Lens) -> Overview:
 
 @compiled
 def _first_order(system: System) -> FirstOrder:
-    return jax.vmap(lambda index: paraxial.first_order(system.with_index(index)))(jnp.asarray(system.index))
+    return jax.vmap(lambda light: paraxial.first_order(system.with_light(light)))(
+        jax.tree.map(jnp.asarray, system.light)
+    )
 
 
 @compiled

@@ -28,9 +28,9 @@ from lenstrace.compute.pytree import pytree
 from lenstrace.optics.rays import has_course
 from lenstrace.optics.vectors import safe_divide, safe_sqrt
 from lenstrace.sequential import paraxial
-from lenstrace.sequential.build import index_at
+from lenstrace.sequential.build import light_of
 from lenstrace.sequential.lens import Lens
-from lenstrace.sequential.system import System
+from lenstrace.sequential.system import Light, System
 
 
 @pytree
@@ -87,9 +87,8 @@ def axial_colour(lens: Lens, *, points: int = 101) -> AxialColour:
     um = lens.wavelengths.um
     shortest, longest = min(um), max(um)
     curve = np.linspace(shortest, longest, points if longest > shortest else 1)
-    indices = [index_at(lens, min(max(float(each), shortest), longest)) for each in curve]
-    stack = jnp.stack if any(isinstance(each, jax.Array) for each in indices) else np.stack
-    return _axial(system, curve.astype(system.index.dtype), stack(indices).astype(system.index.dtype))
+    inside = [min(max(float(each), shortest), longest) for each in curve]
+    return _axial(system, curve.astype(system.index.dtype), light_of(lens, inside))
 
 
 def lateral_colour(lens: Lens, *, points: int = 21) -> LateralColour:
@@ -101,8 +100,8 @@ def lateral_colour(lens: Lens, *, points: int = 21) -> LateralColour:
     system, front = with_image(lens, "lateral colour")
     line = field_line(system, shares_of(lens, points))
     chief, along, _ = chief_and_beside(line)
-    found = beside(front, system.index, chief, along)
-    near = beside(front, system.index, *small_fields(line.direction, line.x))
+    found = beside(front, system.light, chief, along)
+    near = beside(front, system.light, *small_fields(line.direction, line.x))
     return _lateral(system, line, (found, near), lens.fields.scale)
 
 
@@ -115,7 +114,7 @@ def longitudinal_aberration(lens: Lens, *, points: int = 21) -> LongitudinalAber
     check_points(points)
     heights = np.linspace(0, 1, points).astype(system.curvature.dtype)
     zero = np.zeros_like(heights)
-    found = beside(front, system.index, Rays(zero, zero, zero, heights), Rays(zero, zero, zero, zero + 1))
+    found = beside(front, system.light, Rays(zero, zero, zero, heights), Rays(zero, zero, zero, zero + 1))
     return _longitudinal(heights, found)
 
 
@@ -132,13 +131,13 @@ def paraxial_focus(system: System) -> jax.Array:
 
 
 @compiled
-def _axial(system: System, curve_um: Any, curve_index: Any) -> AxialColour:
-    def foci(indices: Any) -> jax.Array:
-        return jax.vmap(lambda index: paraxial_focus(system.with_index(index)))(jnp.asarray(indices))
+def _axial(system: System, curve_um: Any, curve_light: Light) -> AxialColour:
+    def foci(light: Light) -> jax.Array:
+        return jax.vmap(lambda each: paraxial_focus(system.with_light(each)))(jax.tree.map(jnp.asarray, light))
 
-    focus = foci(system.index)
+    focus = foci(system.light)
     primary = focus[system.primary]
-    return AxialColour(focus, focus - primary, jnp.asarray(curve_um), foci(curve_index) - primary)
+    return AxialColour(focus, focus - primary, jnp.asarray(curve_um), foci(curve_light) - primary)
 
 
 @compiled

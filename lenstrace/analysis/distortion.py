@@ -94,8 +94,8 @@ def distortion(lens: Lens, *, points: int = 21) -> Distortion:
     line = field_line(system, shares_of(lens, points))
     chief, along, _ = chief_and_beside(line)
     # of all wavelengths, as the questions about colour have them: one program serves all
-    found = beside(front, system.index, chief, along)
-    near = beside(front, system.index, *small_fields(line.direction, line.x))
+    found = beside(front, system.light, chief, along)
+    near = beside(front, system.light, *small_fields(line.direction, line.x))
     return _distortion((front, system, line), found, near, lens.fields.scale)
 
 
@@ -118,10 +118,10 @@ def distortion_grid(lens: Lens, *, points: int = 11) -> DistortionGrid:
         )
     line = field_line(system, np.ones(1, system.curvature.dtype))
     plane, chief, across = _square(system, line, np.linspace(-1, 1, points).astype(system.curvature.dtype))
-    index = system.index[system.primary][None]
+    light = jax.tree.map(lambda a: a[None], system.light_at(system.primary))
     axes = (small_fields(axis, plane[0]) for axis in np.eye(2, dtype=system.curvature.dtype))
-    near = [beside(front, index, *rays) for rays in axes]
-    return _grid((plane, chief), beside(front, index, chief, across), near, lens.fields.scale)
+    near = [beside(front, light, *rays) for rays in axes]
+    return _grid((plane, chief), beside(front, light, chief, across), near, lens.fields.scale)
 
 
 @compiled

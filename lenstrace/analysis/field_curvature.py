@@ -59,7 +59,7 @@ def field_curvature(lens: Lens, *, points: int = 21) -> FieldCurvature:
     system, front = with_image(lens, "field curvature")
     line = field_line(system, shares_of(lens, points))
     chief, along, across = chief_and_beside(line)
-    found = (beside(front, system.index, chief, toward) for toward in (along, across))
+    found = (beside(front, system.light, chief, toward) for toward in (along, across))
     return _field_curvature(system, line, tuple(found), lens.fields.scale)
 
 
@@ -70,7 +70,7 @@ def _field_curvature(
     tangential, sagittal = (
         jnp.where(has_course(each.failure), crossing(each.change) - each.ray.z, jnp.nan).T for each in found
     )
-    petzval = jax.vmap(lambda index: petzval_radius(system.with_index(index)))(jnp.asarray(system.index))
+    petzval = jax.vmap(lambda light: petzval_radius(system.with_light(light)))(jax.tree.map(jnp.asarray, system.light))
     return FieldCurvature(line.height / scale, line.direction, tangential, sagittal, petzval)
 
 

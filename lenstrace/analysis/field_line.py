@@ -19,7 +19,7 @@ from lenstrace.optics.rays import Ray, has_course
 from lenstrace.optics.vectors import divide_where, safe_divide, safe_sqrt
 from lenstrace.sequential.launch import Front, launch
 from lenstrace.sequential.lens import Lens
-from lenstrace.sequential.system import System
+from lenstrace.sequential.system import Light, System
 from lenstrace.sequential.trace import trace
 
 Pair = tuple[jax.Array, jax.Array]
@@ -119,23 +119,23 @@ def field_line(system: System, shares: Any) -> FieldLine:
     return FieldLine(heights, jnp.stack([ux, uy]), x, y)
 
 
-def arriving(front: Front, index: Any, rays: Rays) -> Ray:
-    """Rays at the image surface, in its frame; index: (S + 1,)."""
-    start = launch(front, index, (rays.field_x, rays.field_y), (rays.pupil_x, rays.pupil_y))
-    return trace(front.system.with_index(index), start)
+def arriving(front: Front, light: Light, rays: Rays) -> Ray:
+    """Rays of one wavelength at the image surface, in its frame."""
+    start = launch(front, light, (rays.field_x, rays.field_y), (rays.pupil_x, rays.pupil_y))
+    return trace(front.system.with_light(light), start)
 
 
 @compiled
-def beside(front: Front, indices: Any, rays: Rays, toward: Rays) -> Beside:
+def beside(front: Front, light: Light, rays: Rays, toward: Rays) -> Beside:
     """Rays of every wavelength, and the rays beside them, by the derivative of the trace: aspheres, tilts and aiming
     are in it. One program for all questions about as many rays.
 
-    indices: (W, S + 1).     rays: (N,) each.     toward: (N,) each, where in field and pupil their neighbours are.
+    light: of each wavelength.    rays: (N,) each.    toward: (N,) each, where in field and pupil their neighbours are.
     """
 
-    def at(index: jax.Array) -> Beside:
+    def at(light: Light) -> Beside:
         def arrival(*points: jax.Array) -> tuple[Arrival, jax.Array]:
-            ray = arriving(front, index, Rays(*points))
+            ray = arriving(front, light, Rays(*points))
             n = jnp.where(ray.n == 0, 1, ray.n)
             slope_x, slope_y = ray.l / n, ray.m / n
             offset = ray.x - slope_x * ray.z, ray.y - slope_y * ray.z
@@ -143,7 +143,7 @@ def beside(front: Front, indices: Any, rays: Rays, toward: Rays) -> Beside:
 
         return Beside(*jax.jvp(arrival, tuple(map(jnp.asarray, rays)), tuple(map(jnp.asarray, toward)), has_aux=True))
 
-    return lax.map(at, jnp.asarray(indices))
+    return lax.map(at, jax.tree.map(jnp.asarray, light))
 
 
 def crossing(change: Arrival) -> jax.Array:

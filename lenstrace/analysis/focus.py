@@ -139,7 +139,7 @@ def best_focus(lens: Lens, *, pattern: str = "hexapolar", rings: int = 6) -> Bes
 
 def _traced(lens: Lens, pattern: str, rings: int) -> tuple[System, ImageLines]:
     system, front = with_image(lens, "a focus")
-    return system, image_lines(front, system.index, system.fields, pupil_points(pattern, rings))
+    return system, image_lines(front, system.light, system.fields, pupil_points(pattern, rings))
 
 
 @compiled

@@ -21,7 +21,7 @@ from lenstrace.optics.vectors import Vector, dot, root_or_zero, rotate, rotate_b
 from lenstrace.sequential import paraxial
 from lenstrace.sequential.launch import Front, launch
 from lenstrace.sequential.lens import Lens
-from lenstrace.sequential.system import System
+from lenstrace.sequential.system import Light, System
 from lenstrace.sequential.trace import trace
 from lenstrace.sequential.vertices import vertices
 
@@ -83,10 +83,10 @@ class IncidenceAngles:
 
 
 class _Asked(NamedTuple):
-    """The front of a lens, and its index (S + 1,)."""
+    """The front of a lens, and its light at one wavelength."""
 
     front: Front
-    index: Any
+    light: Light
 
 
 def relative_illumination(lens: Lens, *, points: int = 11, rays: int = 2048) -> Illumination:
@@ -101,7 +101,7 @@ def relative_illumination(lens: Lens, *, points: int = 11, rays: int = 2048) -> 
         raise RayError(f"rays must be a whole number from 1 to {MOST_RAYS}, got {rays!r}")
     line = field_line(system, shares_of(lens, points))
     x, y = (a.astype(system.curvature.dtype) for a in _spiral(rays))
-    found = each(_bundle, _Asked(front, system.index[system.primary]), _bundles(line, x, y))
+    found = each(_bundle, _Asked(front, system.light_at(system.primary)), _bundles(line, x, y))
     return _illumination(system, line, found, lens.fields.scale)
 
 
@@ -135,10 +135,10 @@ def _bundles(line: FieldLine, x: Any, y: Any) -> Rays:
 
 def _bundle(asked: _Asked, rays: Rays) -> tuple[jax.Array, jax.Array]:
     """Of each ray: whether it arrives, and its projected solid angle for a unit of pupil area."""
-    front, index = asked
+    front, light = asked
 
     def directions(px: jax.Array, py: jax.Array) -> tuple[tuple[jax.Array, jax.Array], Any]:
-        ray = arriving(front, index, Rays(rays.field_x, rays.field_y, px, py))
+        ray = arriving(front, light, Rays(rays.field_x, rays.field_y, px, py))
         return (ray.l, ray.m), ray
 
     def derivative(toward: tuple[jax.Array, jax.Array]) -> Any:
@@ -174,7 +174,7 @@ def _incidence(front: Front, system: System, shares: Any, scale: jax.Array | flo
     ux, uy = line.direction
     edge = jnp.array([0, 1, -1], line.x.dtype)[:, None]
     field = jnp.broadcast_arrays(line.x, line.y, edge)[:2]
-    start = launch(front, primary.index, (field[0], field[1]), (edge * ux, edge * uy))
+    start = launch(front, primary.light, (field[0], field[1]), (edge * ux, edge * uy))
     path = trace(primary, start, path=True)
     # the direction in front of each surface is that behind the one before, turned from one frame into the other
     rotations = vertices(system)[0]

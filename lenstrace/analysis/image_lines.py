@@ -16,7 +16,7 @@ from lenstrace.optics.shapes.conic import Conic
 from lenstrace.optics.vectors import Vector, dot, safe_divide
 from lenstrace.sequential.launch import Front
 from lenstrace.sequential.sampling import PupilPoints
-from lenstrace.sequential.system import System
+from lenstrace.sequential.system import Light, System
 
 
 @pytree
@@ -39,13 +39,13 @@ class ImageLines:
     weight: jax.Array | np.ndarray
 
 
-def image_lines(front: Front, indices: Any, fields: Any, pupil: PupilPoints) -> ImageLines:
+def image_lines(front: Front, light: Light, fields: Any, pupil: PupilPoints) -> ImageLines:
     """The rays of a lens through points of its pupil.
 
-    front:    of the lens.                     indices: (W, S + 1), its index at each wavelength.
+    front:    of the lens.                     light: of each wavelength.
     fields:   (F, 2), as `System.fields`.      pupil:   its points.
     """
-    lines = arrivals(Asked(front, indices, _line), fields, pupil.x, pupil.y)
+    lines = arrivals(Asked(front, light, _line), fields, pupil.x, pupil.y)
     return ImageLines(*lines, weight=pupil.weight.astype(front.system.curvature.dtype))
 
 

@@ -53,7 +53,7 @@ def image_rays(lens: Lens, pupil_x: Any, pupil_y: Any, *, axial: bool = False) -
     LostRaysError where the chief ray of a field has no course: there is nothing to measure the others from.
     """
     system, front = with_pupil(lens)
-    asked = Asked(front, system.index, _all, path=True, axial=axial)
+    asked = Asked(front, system.light, _all, path=True, axial=axial)
     rays = arrivals(asked, system.fields, pupil_x, pupil_y)
     if not is_traced(rays):
         _check_chief(lens, np.asarray(rays.failure)[..., 0])

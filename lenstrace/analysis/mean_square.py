@@ -17,6 +17,7 @@ from lenstrace.optics.rays import Ray
 from lenstrace.sequential.launch import Front, launch
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.sampling import PupilPoints, pupil_points
+from lenstrace.sequential.system import Light
 from lenstrace.sequential.trace import trace
 
 # Rays that tell where the centroid is, to a part of the size of the spot.
@@ -25,11 +26,11 @@ FEW = 64
 
 @pytree
 class Imaged:
-    """The front of a lens, its fields (F, 2), its index (W, S + 1) and the weights of its wavelengths (W,)."""
+    """The front of a lens, its fields (F, 2), the light of its wavelengths and their weights (W,)."""
 
     front: Front
     fields: jax.Array
-    index: jax.Array
+    light: Light
     weights: jax.Array
 
 
@@ -42,7 +43,9 @@ def mean_square_spot(lens: Lens, *, pattern: str = "hexapolar", rings: int = 6) 
     """
     system, front = with_image(lens, "a spot")
     points = jax.tree.map(lambda p: jnp.asarray(p, system.curvature.dtype), pupil_points(pattern, rings))
-    return _mean_square(Imaged(front, *map(jnp.asarray, (system.fields, system.index, system.weights))), points)
+    return _mean_square(
+        Imaged(front, *jax.tree.map(jnp.asarray, (system.fields, system.light, system.weights))), points
+    )
 
 
 @jax.custom_jvp
@@ -142,7 +145,7 @@ def _arriving(lens: Imaged, field: jax.Array, wave: jax.Array, pupil: Any) -> tu
 
 
 def _image(lens: Imaged, field: jax.Array, wave: jax.Array, pupil: Any) -> Ray:
-    index = lax.dynamic_index_in_dim(lens.index, wave, keepdims=False)
+    light = jax.tree.map(lambda a: lax.dynamic_index_in_dim(a, wave, keepdims=False), lens.light)
     angles = lax.dynamic_index_in_dim(lens.fields, field, keepdims=False)
-    launched = launch(lens.front, index, (angles[0], angles[1]), (pupil.x, pupil.y))
-    return trace(lens.front.system.with_index(index), launched)
+    launched = launch(lens.front, light, (angles[0], angles[1]), (pupil.x, pupil.y))
+    return trace(lens.front.system.with_light(light), launched)

@@ -26,6 +26,7 @@ from lenstrace.sequential import paraxial
 from lenstrace.sequential.launch import Front, launch
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.sampling import pupil_points
+from lenstrace.sequential.system import Light
 
 # Rings of Gauss's rule: exact for the squares of third-order aberrations, of degree 6 (wavefronts: 8).
 RINGS = 3
@@ -76,16 +77,16 @@ def linear_rays(lens: Lens) -> Linear:
     field = jnp.asarray(system.fields[0])
     size = jnp.arctan(jnp.hypot(*jnp.tan(field))) if system.field_kind == "angle" else jnp.hypot(*field)
     front = front._replace(system=front.system.replace(ray_aiming=False))
-    return _linear(front, system.index, size)
+    return _linear(front, system.light, size)
 
 
 @compiled
-def _linear(front: Front, indices: jax.Array, field: jax.Array) -> Linear:
+def _linear(front: Front, light: Light, field: jax.Array) -> Linear:
     pupil = jnp.asarray([0, 1], front.system.curvature.dtype)
 
-    def at(index: jax.Array) -> Linear:
-        system = front.system.with_index(index)
-        ray = launch(front, index, (0 * pupil, field + 0 * pupil), (0 * pupil, pupil))
+    def at(light: Light) -> Linear:
+        system = front.system.with_light(light)
+        ray = launch(front, light, (0 * pupil, field + 0 * pupil), (0 * pupil, pupil))
         slope = ray.m / ray.n
         reduced = paraxial.signed_index(system)
         height, w = ray.y - ray.z * slope, reduced[0] * slope
@@ -94,7 +95,7 @@ def _linear(front: Front, indices: jax.Array, field: jax.Array) -> Linear:
         image = height + system.thickness[-1] * w / reduced[-1]
         return Linear(image[1] - image[0], image[0])
 
-    return jax.lax.map(at, jnp.asarray(indices))
+    return jax.lax.map(at, jax.tree.map(jnp.asarray, light))
 
 
 def _points(lens: Lens) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -10,23 +10,24 @@ import jax.numpy as jnp
 from jax import lax
 
 from lenstrace.sequential.launch import Front, launch
+from lenstrace.sequential.system import Light
 from lenstrace.sequential.trace import trace
 
 BISECTIONS = 50
 
 
 def arrival(
-    front: Front, index: jax.Array, field: tuple[Any, Any], start: tuple[Any, Any], along: tuple[Any, Any]
+    front: Front, light: Light, field: tuple[Any, Any], start: tuple[Any, Any], along: tuple[Any, Any]
 ) -> Callable[[jax.Array], jax.Array]:
     """Whether the rays of a field through the points start + t along of the pupil arrive, as a function of t.
 
-    index: (S + 1,), at the wavelength of the rays. All others are of one shape, that of t.
+    light: of the wavelength of the rays. All others are of one shape, that of t.
     """
-    system = front.system.with_index(index)
+    system = front.system.with_light(light)
 
     def arrives(t: jax.Array) -> jax.Array:
         pupil = (start[0] + t * along[0], start[1] + t * along[1])
-        return trace(system, launch(front, index, field, pupil)).ok
+        return trace(system, launch(front, light, field, pupil)).ok
 
     return arrives
 

@@ -20,6 +20,7 @@ from lenstrace.analysis.pupil_edges import arrival, edges_between
 from lenstrace.compute.blocks import each
 from lenstrace.sequential.launch import Front
 from lenstrace.sequential.sampling import ON_AXIS, SPOKES, radial_rule, rim_rule, spoke_turns
+from lenstrace.sequential.system import Light
 
 # Steps along a spoke in which an edge of an opening is looked for: what is narrower may be overlooked.
 TRIED = 256
@@ -61,14 +62,14 @@ def right_half(pair: RulePair) -> RulePair:
     return RulePair(pair.x[kept], pair.y[kept], (share * pair.first)[kept], (share * pair.second)[kept])
 
 
-def open_pupil(front: Front, index: Any, fields: Any, rings: int) -> RulePair:
+def open_pupil(front: Front, light: Light, fields: Any, rings: int) -> RulePair:
     """The pair over what is open of the pupil of each wavelength and field, (W, F, N).
 
-    index: (W, S + 1), of the lens at each wavelength.      fields: (F, 2), as `System.fields`.
+    light: of each wavelength.      fields: (F, 2), as `System.fields`.
     """
     turns = spoke_turns(SPOKES * rings)
     both = np.concatenate([turns, turns + 0.5 / len(turns)])
-    found = [_edges_along(front, index, fields, some) for some in np.split(both, range(AT_ONCE, len(both), AT_ONCE))]
+    found = [_edges_along(front, light, fields, some) for some in np.split(both, range(AT_ONCE, len(both), AT_ONCE))]
     alive, edges = (np.concatenate(some, 2) for some in zip(*found, strict=True))
     parts = _parts(alive, edges)
     halves = []
@@ -90,25 +91,25 @@ def open_pupil(front: Front, index: Any, fields: Any, rings: int) -> RulePair:
     return RulePair(x, y, first, second)
 
 
-def _edges_along(front: Front, index: Any, fields: Any, turns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _edges_along(front: Front, light: Light, fields: Any, turns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Along M spokes, at most AT_ONCE: whether the rays at k / TRIED of the radius arrive, (W, F, M, TRIED + 1), and
     where within each step that changes, on the side where they arrive, (W, F, M, TRIED)."""
     dtype = front.system.curvature.dtype
     shape = len(fields), AT_ONCE
     spokes = np.resize(turns, AT_ONCE)  # always as many, so that one program does for all
     lines = (*(np.asarray(fields)[:, i : i + 1] for i in (0, 1)), _cos(spokes), _sin(spokes))
-    alive, edges = each(_edges, (front, index), tuple(np.broadcast_to(a, shape).astype(dtype) for a in lines))
+    alive, edges = each(_edges, (front, light), tuple(np.broadcast_to(a, shape).astype(dtype) for a in lines))
     alive, edges = (np.moveaxis(np.asarray(a), 0, -1)[..., : len(turns), :] for a in (alive, edges))
     return alive, edges
 
 
-def _edges(asked: tuple[Front, jax.Array], lines: tuple[jax.Array, ...]) -> tuple[jax.Array, jax.Array]:
+def _edges(asked: tuple[Front, Light], lines: tuple[jax.Array, ...]) -> tuple[jax.Array, jax.Array]:
     """(TRIED + 1, W, N) and (TRIED, W, N) of `_edges_along`; lines: field x and y, cosine and sine, (N,)."""
-    front, indices = asked
+    front, lights = asked
     field_x, field_y, cosine, sine = lines
 
-    def of_wave(index: jax.Array) -> tuple[jax.Array, jax.Array]:
-        arrives = arrival(front, index, (field_x, field_y), (0 * cosine, 0 * sine), (cosine, sine))
+    def of_wave(light: Light) -> tuple[jax.Array, jax.Array]:
+        arrives = arrival(front, light, (field_x, field_y), (0 * cosine, 0 * sine), (cosine, sine))
 
         def of_step(step: tuple[jax.Array, jax.Array, jax.Array]) -> jax.Array:
             inner, begins, ends = step
@@ -119,7 +120,7 @@ def _edges(asked: tuple[Front, jax.Array], lines: tuple[jax.Array, ...]) -> tupl
         alive = lax.map(lambda r: arrives(r + 0 * cosine), radii)
         return alive, lax.map(of_step, (radii[:-1], alive[:-1], alive[1:]))
 
-    alive, edge = lax.map(of_wave, jnp.asarray(indices))
+    alive, edge = lax.map(of_wave, jax.tree.map(jnp.asarray, lights))
     return jnp.swapaxes(alive, 0, 1), jnp.swapaxes(edge, 0, 1)
 
 

@@ -16,11 +16,11 @@ from lenstrace.compute.blocks import each
 from lenstrace.compute.pytree import is_traced, pytree, static
 from lenstrace.errors import RayError
 from lenstrace.optics.rays import Ray, living
-from lenstrace.sequential.build import index_at
+from lenstrace.sequential.build import light_of
 from lenstrace.sequential.launch import Front, launch
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.rules import check_field, check_wavelength
-from lenstrace.sequential.system import System
+from lenstrace.sequential.system import Light, System
 from lenstrace.sequential.trace import trace as trace_system
 
 # A direction whose length differs from 1 by more than this is refused.
@@ -57,7 +57,7 @@ def trace(
     """
     if rays is not None:
         system = lens.system
-        asked = _Asked(system.with_index(_index(lens, system, wavelength)), path, opl)
+        asked = _Asked(system.with_light(_light(lens, system, wavelength)), path, opl)
         answer, sound = each(_through, asked, _in_precision(rays, system.curvature.dtype))
         if not is_traced(sound) and not np.asarray(sound).all():
             _check(rays)
@@ -66,7 +66,7 @@ def trace(
     x, y = map(_floats, _pair(field if isinstance(field, tuple) else (0.0, field), "field"))
     check_field(lens, x, y)
     points = (x * lens.fields.scale, y * lens.fields.scale, *map(_floats, _pair(pupil, "pupil")))
-    asked = _Asked(system.with_index(_index(lens, system, wavelength)), path, opl)
+    asked = _Asked(system.with_light(_light(lens, system, wavelength)), path, opl)
     return each(_launched, (front, asked), _numbers(points, system.curvature.dtype))
 
 
@@ -88,15 +88,15 @@ class _Asked:
     opl: bool = static()
 
 
-def _index(lens: Lens, system: System, wavelength: float | None) -> Any:
-    """The index of every space at a wavelength, in the precision of the lens."""
+def _light(lens: Lens, system: System, wavelength: float | None) -> Light:
+    """Of a wavelength, in the precision of the lens."""
     waves = lens.wavelengths
     if is_traced(wavelength):
         raise RayError("wavelength cannot be traced by JAX: glasses are looked up by it; differentiate by the index")
     if wavelength is None or wavelength in waves.um:
-        return system.index[system.primary if wavelength is None else waves.um.index(wavelength)]
+        return system.light_at(system.primary if wavelength is None else waves.um.index(wavelength))
     check_wavelength(wavelength)
-    return index_at(lens, float(wavelength)).astype(system.index.dtype)
+    return jax.tree.map(lambda a: a[0], light_of(lens, [float(wavelength)]))
 
 
 def _in_precision(rays: Ray, dtype: Any) -> Ray:
@@ -169,7 +169,7 @@ def _through(asked: _Asked, rays: Ray) -> tuple[Ray, jax.Array]:
 def _launched(asked: tuple[Front, _Asked], points: tuple[jax.Array, jax.Array, jax.Array, jax.Array]) -> Ray:
     front, of_rays = asked
     field_x, field_y, pupil_x, pupil_y = points
-    return _arriving(of_rays, launch(front, of_rays.system.index, (field_x, field_y), (pupil_x, pupil_y)), 1.0)
+    return _arriving(of_rays, launch(front, of_rays.system.light, (field_x, field_y), (pupil_x, pupil_y)), 1.0)
 
 
 def _arriving(asked: _Asked, rays: Ray, sense: Any) -> Ray:

@@ -85,7 +85,7 @@ def _check_any(lens: Lens) -> None:
     except LensTraceError:
         return
     points = pupil_points()
-    check_light(arrivals(Asked(front, system.index, _arrives), system.fields, points.x, points.y)[..., 1:])
+    check_light(arrivals(Asked(front, system.light, _arrives), system.fields, points.x, points.y)[..., 1:])
 
 
 def _arrives(_: System, rays: Ray) -> Any:

@@ -101,7 +101,7 @@ class _Ladder:
         return (x, y, failure), RulePair(np.append(pair.x, -pair.x), *(np.append(a, a) for a in pair[1:]))
 
     def _open(self, rings: int) -> Rays:
-        pair = open_pupil(self.front, self.system.index, self.system.fields, rings)
+        pair = open_pupil(self.front, self.system.light, self.system.fields, rings)
         closed = np.argwhere((pair.first + pair.second).sum(-1) == 0)
         if len(closed):
             wave, field = map(int, closed[0])
@@ -117,7 +117,7 @@ class _Ladder:
 
     def _sent(self, pair: RulePair) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         count = pair.x.shape[-1]
-        asked = Asked(self.front, self.system.index, place)
+        asked = Asked(self.front, self.system.light, place)
         sent = arrivals(asked, self.system.fields, *padded(pair.x, pair.y))
         x, y, failure = (a[..., : 1 + count] for a in jax.device_get(sent))
         return x, y, failure

@@ -13,7 +13,7 @@ from lenstrace.analysis.image_lines import ImageLines, image_lines, spots_at
 from lenstrace.compute.compiled import compiled
 from lenstrace.compute.pytree import is_traced, pytree
 from lenstrace.errors import RayError
-from lenstrace.sequential.build import index_at
+from lenstrace.sequential.build import light_of
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.sampling import pupil_points
 
@@ -62,7 +62,7 @@ def spot_field(lens: Lens, *, points: int = POINTS, pattern: str = "hexapolar", 
         points = 1
     share = np.linspace(0, 1, points).astype(system.curvature.dtype)
     heights = share[:, None] * fields[xp.argmax(xp.sum(fields * fields, -1))]
-    lines = image_lines(front, system.index, heights, pupil_points(pattern, rings))
+    lines = image_lines(front, system.light, heights, pupil_points(pattern, rings))
     rms, polychromatic = _sizes(lines, system.weights)
     x, y = (jnp.asarray(each / lens.fields.scale) for each in heights.T)
     return SpotField(x, y, rms, polychromatic)
@@ -78,10 +78,8 @@ def spot_spectrum(lens: Lens, *, points: int = POINTS, pattern: str = "hexapolar
     system, front = with_image(lens, "a spot")
     waves = lens.wavelengths.um
     um = np.linspace(min(waves), max(waves), points if len(waves) > 1 else 1)
-    indices = [index_at(lens, float(value)) for value in um]
-    xp = jnp if any(isinstance(index, jax.Array) for index in indices) else np
     dtype = system.curvature.dtype
-    lines = image_lines(front, xp.stack(indices).astype(dtype), system.fields, pupil_points(pattern, rings))
+    lines = image_lines(front, light_of(lens, um), system.fields, pupil_points(pattern, rings))
     return SpotSpectrum(jnp.asarray(um, dtype), _sizes(lines, np.ones(len(um), dtype))[0])
 
 

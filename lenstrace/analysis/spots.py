@@ -41,7 +41,7 @@ def spots(
     system, front = with_image(lens, "a spot")
     points = pupil_points(pattern, rings)
     x, y = (points.x, points.y) if vignetting is None else vignetting.inside(points.x, points.y)
-    arrived = arrivals(Asked(front, system.index, place), system.fields, x, y)
+    arrived = arrivals(Asked(front, system.light, place), system.fields, x, y)
     result = figures(arrived, points.weight.astype(system.curvature.dtype), system.weights, system.primary)
     if not is_traced(result):
         check_arrivals(lens, result)

@@ -16,6 +16,7 @@ from lenstrace.compute.pytree import is_traced, pytree
 from lenstrace.errors import LostRaysError
 from lenstrace.sequential.launch import Front
 from lenstrace.sequential.lens import Lens
+from lenstrace.sequential.system import Light
 
 # Rays from edge to edge of the pupil, tried from the outside: what is narrower than a step may be overlooked.
 TRIED = 64
@@ -75,7 +76,7 @@ def vignetting(lens: Lens) -> Vignetting:
     bisection to the last digits, and are held fixed by derivatives.
     """
     system, front = with_pupil(lens)
-    numbers = (front, system.index[system.primary]), system.fields
+    numbers = (front, system.light_at(system.primary)), system.fields
     asked, fields = jax.tree.map(lax.stop_gradient, numbers) if is_traced(lens) else numbers
     x, y = fields[:, 0], fields[:, 1]
     zero, one = 0 * x, 0 * x + 1
@@ -90,12 +91,12 @@ def vignetting(lens: Lens) -> Vignetting:
     return Vignetting(top, bottom, right, left)
 
 
-def _edge(asked: tuple[Front, jax.Array], lines: tuple[jax.Array, ...]) -> jax.Array:
+def _edge(asked: tuple[Front, Light], lines: tuple[jax.Array, ...]) -> jax.Array:
     """The largest t for which the ray through the point (x, y) + t (dx, dy) of the pupil arrives, -1 <= t <= 1; nan if
     there is none. lines: field x and y, x, y, dx, dy."""
-    front, index = asked
+    front, light = asked
     field_x, field_y, x, y, dx, dy = lines
-    arrives = arrival(front, index, (field_x, field_y), (x, y), (dx, dy))
+    arrives = arrival(front, light, (field_x, field_y), (x, y), (dx, dy))
 
     def outside_in(k: jax.Array, state: tuple[jax.Array, jax.Array]) -> tuple[jax.Array, jax.Array]:
         inner, outer = state

@@ -12,9 +12,10 @@ from lenstrace.analysis.image_rays import ImageRays, check_light, image_rays
 from lenstrace.analysis.notes import rounding_notes, warned
 from lenstrace.analysis.path_difference import Sphere, check_reference, differences, residual
 from lenstrace.analysis.pupil_grid import grid_points
-from lenstrace.analysis.zernike import ZernikeFit, fit_zernike, zernike_index
+from lenstrace.analysis.zernike import ZernikeFit, fit_zernike
 from lenstrace.compute.compiled import compiled
 from lenstrace.compute.pytree import pytree, static
+from lenstrace.optics.zernike import zernike_index
 from lenstrace.sequential.lens import Lens
 
 SAMPLES = 65

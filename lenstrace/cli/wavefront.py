@@ -10,10 +10,11 @@ import numpy as np
 
 from lenstrace.analysis.path_difference import REFERENCES
 from lenstrace.analysis.wavefront import SAMPLES, Wavefront, wavefront, zernike_coefficients
-from lenstrace.analysis.zernike import ORDERS, ZernikeFit, zernike_index, zernike_name
+from lenstrace.analysis.zernike import ZernikeFit
 from lenstrace.cli.design import add_design, load_design
 from lenstrace.cli.output import number_text, print_json, print_notes, print_table
 from lenstrace.cli.spots import field_text
+from lenstrace.optics.zernike import ORDERS, zernike_index, zernike_name
 from lenstrace.plotting.files import save_figure
 from lenstrace.plotting.wavefront import pupil_maps, wavefront_figure
 from lenstrace.sequential.lens import Lens

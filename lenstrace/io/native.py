@@ -18,6 +18,7 @@ from lenstrace.optics.media import AbbeModel, Air, Constant, Table
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.prescription import lens_from_keys
 from lenstrace.sequential.rows import Row
+from lenstrace.sequential.screen_keys import keys_of
 
 
 def load(path: str | os.PathLike[str]) -> Lens:
@@ -112,6 +113,8 @@ def _row_keys(row: Row) -> dict[str, Any]:
     if row.aperture_kind is not ApertureKind.NONE:
         numbers = [float(number) for number in row.aperture]
         keys["aperture"] = {row.aperture_kind.value: numbers if len(numbers) > 1 else numbers[0]}
+    if row.screen is not None:
+        keys["screen"] = keys_of(row.screen)
     for name, values in (("decenter", row.decenter), ("tilt", row.tilt)):
         if values is not None:
             keys[name] = [float(value) for value in values]

@@ -12,7 +12,11 @@ For mu > 0 the difference is cancelled analytically, g = s kappa / (mu E + R); f
 negative index) nothing cancels: the ray goes on forward and its tangential part flips. A mirror is mu = 1, kappa = 0
 with the other root, R = -E: g = -2 s E / N2. Total internal reflection is a negative R^2.
 
-All three g are roots of N2 g^2 + 2 s mu E g = kappa, whence their derivative
+A thin screen that adds the path W(x, y) adds its gradient along the surface to the momentum, p + grad_t W. With
+q = grad_t W / n2 that is d2 = mu d1 + q + g N, the same g, and kappa less by 2 mu d1.q + |q|^2; of a mirror, mu = 1,
+kappa = 0, R is the negative root.
+
+All g are roots of N2 g^2 + 2 s mu E g = kappa, whence their derivative
 
     dg = (s dkappa / 2 - g (mu dE + E dmu + s g dN2 / 2)) / R.
 
@@ -29,7 +33,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
-from lenstrace.optics.vectors import Vector, divide_finite_where, divide_where, root_or_zero
+from lenstrace.optics.vectors import Vector, divide_finite_where, divide_where, dot, root_or_zero
 
 
 class Interaction(enum.Enum):
@@ -50,26 +54,51 @@ def bend(
     index_before: jax.Array,
     index_after: jax.Array,
     met: jax.Array,
+    push: tuple[jax.Array, jax.Array] | None = None,
 ) -> tuple[Vector, jax.Array]:
     """Direction behind a surface, and where there is one.
 
     direction:      unit vector d1.        normal: N, any length.        normal_squared: |N|^2.
     cosine:         E = |N.d1| >= 0.       side: s = sign(N.d1), +1 or -1.
-    index_before, index_after:  n1, n2 relative to air; not used by a mirror.
+    index_before, index_after:  n1, n2 relative to air; without a push not used by a mirror.
     met:            False where the ray meets no surface.
-    Returns d2, which is d1 where nothing is met or all light is reflected totally, and a mask: False there.
+    push:           dW/dx and dW/dy of a screen on the surface, pure numbers.
+    Returns d2, which is d1 where nothing is met or no light goes on (all of it is reflected totally, or a diffraction
+    order does not exist), and a mask: False there.
     """
-    if interaction is Interaction.REFLECT:
-        mu, kappa, root, bends = 1.0, 0.0, -cosine, met
+    mirror = interaction is Interaction.REFLECT
+    if mirror:
+        mu, kappa, index_after = 1.0, 0.0, index_before
     else:
         mu = index_before / index_after
         # (n2 - n1)(n2 + n1) loses nothing when the indices are nearly equal, 1 - mu^2 would
         kappa = (index_after - index_before) * (index_after + index_before) / (index_after * index_after)
+    pushed = None if push is None else _tangential(push, normal, normal_squared, index_after)
+    if pushed is not None:
+        kappa = kappa - (2 * mu * dot(direction, pushed) + dot(pushed, pushed))
+    if mirror and pushed is None:
+        root, bends = -cosine, met
+    else:
         root = root_or_zero(mu * mu * cosine * cosine + kappa * normal_squared)
         bends = met & (root > 0)
+        root = -root if mirror else root
     along, share = _kick(interaction, normal_squared, cosine, mu, kappa, root, side, bends)
+    if pushed is not None:
+        # here g may be 0 where the ray is turned
+        share = jnp.where(bends, mu, 1)
     x, y, z = (share * d + along * n for d, n in zip(direction, normal, strict=True))
+    if pushed is not None:
+        x, y, z = (a + jnp.where(bends, q, 0) for a, q in zip((x, y, z), pushed, strict=True))
     return (x, y, z), bends
+
+
+def _tangential(
+    push: tuple[jax.Array, jax.Array], normal: Vector, normal_squared: jax.Array, index: jax.Array
+) -> Vector:
+    """q, the part of the gradient of W along the surface, over the index behind it."""
+    x, y = push
+    across = (x * normal[0] + y * normal[1]) / normal_squared
+    return (x - across * normal[0]) / index, (y - across * normal[1]) / index, -across * normal[2] / index
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
@@ -85,7 +114,7 @@ def _kick(
 ) -> tuple[jax.Array, Any]:
     """g and mu; 0 and 1 where the ray goes straight on. `root` is R, given by the others: its tangent is not read."""
     if interaction is Interaction.REFLECT:
-        return divide_where(bends, -2 * side * cosine, normal_squared), mu
+        return divide_where(bends, side * (root - cosine), normal_squared), mu
     forward = mu * cosine + root
     if interaction is Interaction.REFRACT_EITHER_SIGN:
         near = mu > 0

@@ -17,10 +17,11 @@ from lenstrace.optics.interactions import Interaction
 from lenstrace.optics.media import Constant, Medium
 from lenstrace.sequential.document import DEGREE, Document
 from lenstrace.sequential.rows import Row
-from lenstrace.sequential.system import Kind, Placement, System
+from lenstrace.sequential.system import Kind, Light, Placement, System
 
 # Of norm radii, mm: their 15th powers stay finite, in either direction.
 LARGEST_EXPONENT = 60
+MM_PER_UM = 1e-3
 
 
 def build_system(lens: Document) -> System:
@@ -50,6 +51,7 @@ def build_system(lens: Document) -> System:
         norm_radius=_power_of_two(exponent),
         thickness=_stack(row.thickness for row in lens.rows),
         index=index,
+        wavelength=_stack(um * MM_PER_UM for um in lens.wavelengths.um),
         decenter=_table([row.decenter or (0.0, 0.0) for row in rows]),
         tilt=_table([row.tilt or (0.0, 0.0, 0.0) for row in rows]) * DEGREE,
         aperture=_table([sizes for _, sizes in openings], 2),
@@ -57,10 +59,11 @@ def build_system(lens: Document) -> System:
         stop_size=_number(lens.aperture.value),
         fields=_table(list(zip(lens.fields.x, lens.fields.y, strict=True))) * lens.fields.scale,
         weights=_stack(lens.wavelengths.weights),
+        screens=tuple(jax.tree.map(_number, row.screen.prepared()) for row in rows if row.screen is not None),
         kinds=tuple(
-            _kind(row, opening, before, behind, powers)
-            for row, (opening, _), (before, behind) in zip(
-                rows, openings, itertools.pairwise((*media, media[-1])), strict=True
+            _kind(row, opening, before, behind, powers, screen)
+            for row, (opening, _), (before, behind), screen in zip(
+                rows, openings, itertools.pairwise((*media, media[-1])), _screen_places(rows), strict=True
             )
         ),
         stop=lens.stop,
@@ -79,9 +82,10 @@ def _media(lens: Document) -> list[tuple[str, Medium]]:
     return media
 
 
-def index_at(lens: Document, um: float) -> Any:
-    """(S + 1,): the index of the object space and after each surface at any wavelength, in float64."""
-    return _indices(_media(lens), (um,))[0]
+def light_of(lens: Document, um: Sequence[float] | np.ndarray) -> Light:
+    """Of any wavelengths, in the precision of the lens. MediumError (WavelengthError) names the surface."""
+    light = Light(_indices(_media(lens), [float(each) for each in um]), np.asarray(um, float) * MM_PER_UM)
+    return jax.tree.map(lambda a: a.astype(lens.precision), light)
 
 
 def _indices(media: list[tuple[str, Medium]], wavelengths: Sequence[float]) -> Any:
@@ -125,6 +129,7 @@ def _kind(
     before: tuple[str, Medium],
     behind: tuple[str, Medium],
     powers: tuple[int, ...],
+    screen: int | None,
 ) -> Kind:
     """The structure of a surface between two media."""
     interaction = Interaction.REFRACT
@@ -137,7 +142,13 @@ def _kind(
         placement = Placement.BREAK
     elif row.is_posed:
         placement = Placement.POSED
-    return Kind(powers if row.powers else (), interaction, opening, placement, row.turned)
+    return Kind(powers if row.powers else (), interaction, opening, placement, row.turned, screen=screen)
+
+
+def _screen_places(rows: Sequence[Row]) -> list[int | None]:
+    """Which of the screens each row carries."""
+    count = itertools.count()
+    return [None if row.screen is None else next(count) for row in rows]
 
 
 def _sign(medium: Medium) -> int:

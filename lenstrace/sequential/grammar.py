@@ -44,6 +44,40 @@ class ApertureOfRow(_Section):
     obscuration: Number | None = None
 
 
+class GratingKeys(_Section):
+    """grating = { period = 0.002, order = 1, angle = 90 }: a length; a whole number; degrees from x toward y."""
+
+    period: Number
+    order: Number = 1.0
+    angle: Number = 0.0
+
+
+class ZernikeKeys(_Section):
+    """zernike = { radius = 10, order = "noll", terms = { 4 = 1e-4 } }: lengths; the numbers of the terms."""
+
+    radius: Number
+    order: Literal["noll", "fringe", "ansi"] = "noll"
+    terms: dict[Any, Number]
+
+
+class GridKeys(_Section):
+    """grid = { half_width = [5, 5], path = [[...], ...] }: lengths; rows of equal y, from the lowest up."""
+
+    half_width: Numbers
+    path: list[Numbers]
+
+
+class ScreenOfRow(_Section):
+    """screen = { ideal_lens = 100 }, or one of the others; lengths in the units of the file."""
+
+    ideal_lens: Number | None = None
+    quadratic_lens: Number | None = None
+    grating: GratingKeys | None = None
+    zernike: ZernikeKeys | None = None
+    grid: GridKeys | None = None
+    point_mass: Number | None = None
+
+
 IndexKeys = Annotated[
     Annotated[Number, Tag("number")] | Annotated[IndexTable, Tag("table")],
     Discriminator(lambda value: "table" if isinstance(value, Mapping) else "number"),
@@ -65,6 +99,7 @@ class RowKeys(_Section):
     stop: Flag = False
     semi_diameter: Number | None = None
     aperture: ApertureOfRow | None = None
+    screen: ScreenOfRow | None = None
     decenter: Numbers | None = None
     tilt: Numbers | None = None
     # `break` is a word of Python

@@ -12,7 +12,7 @@ from lenstrace.optics.rays import Ray, RayStatus, failure_code, living
 from lenstrace.optics.vectors import Vector, dot, normalize
 from lenstrace.sequential import paraxial
 from lenstrace.sequential.aiming import aim
-from lenstrace.sequential.system import System
+from lenstrace.sequential.system import Light, System
 from lenstrace.sequential.trace import trace
 
 # A ray flatter than this against the plane through the first vertex does not start on it, but where it is nearest
@@ -54,13 +54,13 @@ def front_of(system: System) -> Front:
 
 def launch(
     front: Front,
-    index: jax.Array,
+    light: Light,
     field: tuple[jax.Array, jax.Array],
     pupil: tuple[jax.Array, jax.Array],
 ) -> Ray:
     """Rays of a field through points of the pupil, on the plane through the first vertex.
 
-    index:   (S + 1,), at the wavelength of the rays; it counts where rays are aimed.
+    light:   of the wavelength of the rays; it counts where rays are aimed.
     field:   x and y, radians or mm as `system.field_kind` says; any shape that broadcasts with the pupil.
     pupil:   x and y, in units of the radius of the paraxial entrance pupil, or of the stop if rays are aimed.
 
@@ -73,7 +73,7 @@ def launch(
     fx, fy, px, py = jnp.broadcast_arrays(*field, *pupil)
 
     # what stops a ray must not decide which one is found
-    here = system.replace(index=index).without_apertures()
+    here = system.with_light(light).without_apertures()
 
     def at_stop(shift: tuple[jax.Array, jax.Array], share: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
         stop = trace(here, _shifted(front, (share * fx, share * fy), shift), last=system.stop)
@@ -89,19 +89,19 @@ def launch(
     return dataclasses.replace(ray, failure=jnp.where(aimed & (front.known > 0), ray.failure, lost).astype(jnp.int32))
 
 
-def path_before(front: Front, index: jax.Array, field: tuple[jax.Array, jax.Array], ray: Ray) -> jax.Array:
+def path_before(front: Front, light: Light, field: tuple[jax.Array, jax.Array], ray: Ray) -> jax.Array:
     """Optical path, mm, to where rays of a field are launched from the wavefront of its light through the first vertex.
 
     For a plane wave n d . r; for an object point P at a finite distance n (|r - P| - |P|), written so that it loses
-    nothing to the distance of the object. index: (S + 1,), at the wavelength of the rays.
+    nothing to the distance of the object. light: of the wavelength of the rays.
     """
     at = ray.x, ray.y, ray.z
     if front.system.object_distance is None:
-        return index[0] * dot((ray.l, ray.m, ray.n), at)
+        return light.index[0] * dot((ray.l, ray.m, ray.n), at)
     start = object_point(front, field)
     apart = _minus(at, start)
     both = jnp.sqrt(dot(apart, apart)) + jnp.sqrt(dot(start, start))
-    return index[0] * dot(at, _minus(apart, start)) / both
+    return light.index[0] * dot(at, _minus(apart, start)) / both
 
 
 def object_point(front: Front, field: tuple[jax.Array, jax.Array]) -> Vector:

@@ -3,7 +3,7 @@
 A paraxial ray is its height y (mm) and its reduced slope w = N u, where u = dy/dz is the geometric slope and
 N = sigma n the index, negative where light travels toward -z. A surface with curvature c does w -= phi y,
 phi = c (N2 - N1); a gap t does y += t w / N. Tilts and decentres do not count. An r^2 asphere term a adds 2 a
-to the curvature.
+to the curvature. A phase screen W adds -W_yy to phi.
 
 Source: Welford, Aberrations of Optical Systems (1986), chapter 3; Born & Wolf, section 4.4.
 """
@@ -18,6 +18,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from lenstrace.compute.pytree import pytree
+from lenstrace.optics.screens.screen import power_at_vertex
 from lenstrace.optics.vectors import safe_divide
 from lenstrace.sequential.system import System
 
@@ -108,11 +109,11 @@ def matrix(system: System, first: int, last: int, *, bend_last: bool = True) -> 
     dtype = system.curvature.dtype
     zero, one = jnp.zeros((), dtype), jnp.ones((), dtype)
     unit = Matrix(one, zero, zero, one, zero)
-    index = signed_index(system)
     rows = slice(first - 1, last)
-    power = (effective_curvature(system)[:-1] * (index[1:] - index[:-1]))[rows]
+    power = surface_powers(system)[rows]
     if not bend_last:
         power = power.at[-1].set(0)
+    index = signed_index(system)
     gap = jnp.append(zero, (system.thickness[:-1] / index[1:-1])[first - 1 : last - 1])
 
     def through(so_far: Matrix, surface: tuple[jax.Array, jax.Array]) -> tuple[Matrix, None]:
@@ -123,6 +124,18 @@ def matrix(system: System, first: int, last: int, *, bend_last: bool = True) -> 
 
     whole, _ = jax.lax.scan(through, unit, (power, gap))
     return whole
+
+
+def surface_powers(system: System) -> jax.Array:
+    """(S,), phi of each surface, 1/mm: of its curvature, and of a phase screen; its slope at the vertex, as that of a
+    grating, does not count. The system at one wavelength."""
+    index = signed_index(system)
+    power = effective_curvature(system)[:-1] * (index[1:] - index[:-1])
+    for place, kind in enumerate(system.kinds[:-1]):
+        if kind.screen is not None:
+            thin = power_at_vertex(system.screens[kind.screen], jnp.asarray(system.wavelength))
+            power = power.at[place].add(thin)
+    return power
 
 
 def effective_curvature(system: System) -> jax.Array:

@@ -143,8 +143,9 @@ def _row(row: RowKeys | ImageKeys, where: str, unit: float) -> Row:
         made = Row().replace(**keys)
     except LensTraceError as error:
         raise type(error)(f"{where}: {error}") from None
-    scaled = tuple(a * unit ** (1 - power) for power, a in made.asphere.items())
-    return dataclasses.replace(made, coefficients=scaled)
+    in_mm = tuple(a * unit ** (1 - power) for power, a in made.asphere.items())
+    screen = None if made.screen is None else made.screen.scaled(unit)
+    return dataclasses.replace(made, coefficients=in_mm, screen=screen)
 
 
 def _object_medium(keys: LensKeys) -> Medium:

@@ -9,6 +9,7 @@ from typing import Any
 import mpmath
 import numpy as np
 
+from lenstrace.errors import LensTraceError
 from lenstrace.optics.apertures import ApertureKind
 from lenstrace.optics.interactions import Interaction
 from lenstrace.sequential.lens import Lens
@@ -65,6 +66,8 @@ def surfaces_of(lens: Lens, wavelength_place: int | None) -> list[ReferenceSurfa
     surfaces = []
     gap = mp.zero
     for number, row in enumerate((*lens.rows, lens.image), 1):
+        if row.screen is not None:
+            raise LensTraceError(f"surface {number}: the judge in 50 digits knows no phase screens")
         is_image = number > len(lens.rows)
         kind, sizes = (ApertureKind.NONE, ()) if is_image else lens.opening(row)
         placement = Placement.POSED if row.is_posed else Placement.CENTRED

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import numbers
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
-import jax
 import numpy as np
 
 from lenstrace.compute.pytree import is_traced
@@ -14,6 +12,8 @@ from lenstrace.errors import PrescriptionError
 from lenstrace.optics.apertures import ApertureKind
 from lenstrace.optics.glasses import glass
 from lenstrace.optics.media import AIR, AbbeModel, Constant, Medium, Table
+from lenstrace.sequential.numbers_given import number, several
+from lenstrace.sequential.screen_keys import screen_of
 
 KEYS = ("radius", "asphere", "index", "abbe", "break")
 APERTURES = {kind.value: kind for kind in ApertureKind if kind is not ApertureKind.NONE}
@@ -46,23 +46,16 @@ def row_fields(changes: Mapping[str, Any]) -> dict[str, Any]:
         fields |= {"powers": tuple(p for p, _ in terms), "coefficients": tuple(a for _, a in terms)}
     for name, length in (("decenter", 2), ("tilt", 3)):
         if fields.get(name) is not None:
-            fields[name] = _several(fields[name], length, name)
+            fields[name] = several(fields[name], length, name)
     if "break" in fields:
         fields["is_break"] = fields.pop("break")
     if fields.get("tilt") is not None and not is_traced(fields["tilt"]):
         fields["turned"] = bool(np.prod(np.cos(np.radians(np.array(fields["tilt"][:2], float)))) < TURNED)
     if "aperture" in fields:
         fields |= _aperture(fields["aperture"])
+    if isinstance(fields.get("screen"), Mapping):
+        fields["screen"] = screen_of(fields["screen"])
     return fields | _medium(fields)
-
-
-def number(value: Any, what: str) -> Any:
-    """A float, or a scalar that JAX holds, as it is; else PrescriptionError."""
-    if isinstance(value, jax.Array) and value.ndim == 0:
-        return value
-    if isinstance(value, numbers.Real) and not isinstance(value, bool):
-        return float(value)
-    raise PrescriptionError(f"{what} must be a number, got {value!r}")
 
 
 def medium_of(index: Any = None, abbe: Any = None, name: str | None = None) -> Medium:
@@ -100,14 +93,8 @@ def _aperture(value: Any) -> dict[str, Any]:
     if not value:
         return {"aperture": (), "aperture_kind": ApertureKind.NONE}
     (key, sizes), kind = next(iter(value.items())), APERTURES[next(iter(value))]
-    sizes = _several(sizes, 2, f"aperture {key}") if kind in TWO_NUMBERS else (number(sizes, f"aperture {key}"),)
+    sizes = several(sizes, 2, f"aperture {key}") if kind in TWO_NUMBERS else (number(sizes, f"aperture {key}"),)
     return {"aperture": sizes, "aperture_kind": kind}
-
-
-def _several(values: Any, length: int, what: str) -> tuple[Any, ...]:
-    if not isinstance(values, (Sequence, np.ndarray, jax.Array)) or len(values) != length:
-        raise PrescriptionError(f"{what} takes {length} numbers, got {values}")
-    return tuple(number(value, what) for value in values)
 
 
 def _power(key: Any) -> int:

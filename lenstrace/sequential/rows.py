@@ -12,6 +12,7 @@ from lenstrace.compute.pytree import is_traced, pytree, static
 from lenstrace.errors import PrescriptionError
 from lenstrace.optics.apertures import ApertureKind
 from lenstrace.optics.media import AIR, Medium
+from lenstrace.optics.screens.screen import Screen
 from lenstrace.sequential.row_keys import KEYS, row_fields
 
 Number = float | jax.Array
@@ -28,6 +29,7 @@ class Row:
     decenter:      mm, x and y.                  tilt: degrees, about x, y, z; None where nothing is written.
     aperture:      numbers of the aperture, mm (see `ApertureKind`).
     glass:         the glass as it was written, for the table and the file; None for an index given by numbers.
+    screen:        a thin phase screen on the surface; None where there is none.
     is_break:      decentre and tilt move all that follows, not this surface alone.
     turned:        the tilt turns the axis by more than 90 degrees; kept while JAX traces the tilt.
     semi_diameter: mm, drawn only.
@@ -41,6 +43,7 @@ class Row:
     tilt: tuple[Number, Number, Number] | None = None
     aperture: tuple[Number, ...] = ()
     medium: Medium = AIR
+    screen: Screen | None = None
     powers: tuple[int, ...] = static(default=())
     aperture_kind: ApertureKind = static(default=ApertureKind.NONE)
     glass: str | None = static(default=None)
@@ -76,7 +79,8 @@ class Row:
 
     def replace(self, **changes: Any) -> Row:
         """A copy with some fields changed, by their names here or by the keys of the file: radius (mm), glass,
-        index, abbe, asphere (a dict of power to coefficient), aperture (a dict such as {"circle": 9.5}), break.
+        index, abbe, asphere (a dict of power to coefficient), aperture (a dict such as {"circle": 9.5}), screen
+        (a dict such as {"ideal_lens": 100.0}), break.
         PrescriptionError, MediumError or UnknownGlassError for what a surface cannot have."""
         fields = row_fields(changes)
         known = {field.name for field in dataclasses.fields(self)}

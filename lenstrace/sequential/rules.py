@@ -53,6 +53,8 @@ def check_row(row: Row, where: str) -> None:
     for name in ("decenter", "tilt", "aperture"):
         for value in getattr(row, name) or ():
             _check_finite(value, f"{where}: {name}")
+    if row.screen is not None and row.screen.mistake:
+        raise PrescriptionError(f"{where}: screen {row.screen.mistake}")
     if row.semi_diameter is not None and not (math.isfinite(row.semi_diameter) and row.semi_diameter > 0):
         raise PrescriptionError(
             f"{where}: semi_diameter must be positive, got {row.semi_diameter}; leave it out for no limit"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import enum
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -13,6 +13,7 @@ import numpy as np
 from lenstrace.compute.pytree import pytree, static
 from lenstrace.optics.apertures import ApertureKind
 from lenstrace.optics.interactions import Interaction
+from lenstrace.optics.screens.screen import Screen
 
 
 class Placement(enum.Enum):
@@ -30,6 +31,7 @@ class Kind:
     powers: powers of r of its asphere terms, empty for a conic.
     turned: its tilt turns the axis by more than 90 degrees, so that light crosses it the other way.
     newton_steps: of an asphere, see `Asphere`.
+    screen: place of its phase screen in `System.screens`.
     """
 
     powers: tuple[int, ...] = ()
@@ -38,6 +40,19 @@ class Kind:
     placement: Placement = Placement.CENTRED
     turned: bool = False
     newton_steps: int | None = None
+    screen: int | None = None
+
+
+class Light(NamedTuple):
+    """What depends on the colour.
+
+    index:       (S + 1,), relative to air, of the object space and after each surface.
+    wavelength:  (), mm.
+    With a leading axis, of several wavelengths.
+    """
+
+    index: Any
+    wavelength: Any
 
 
 @pytree
@@ -51,12 +66,14 @@ class System:
     thickness:        (S,), mm, signed along z, from this vertex to the next.
     index:            (W, S + 1) relative to air, of the object space and after each surface; (S + 1,) once a
                       wavelength is chosen with `at`.
+    wavelength:       (W,), mm; () then.
     decenter, tilt:   (K, 2) mm, (K, 3) radians.
     aperture:         (K, 2), mm, the numbers of each surface's aperture.
     object_distance:  mm, from the object to the first vertex; None at infinity.
     stop_size:        what the aperture of the lens says: see `aperture_kind`; mm or a pure number.
     fields:           (F, 2), radians or mm: see `field_kind`.
     weights:          (W,) of the wavelengths.
+    screens:          the phase screens that surfaces carry.
 
     Static: the kind of every surface, the number of the stop (1 ... S), the place of the primary wavelength, what
     stop_size and fields mean, and whether rays are aimed at the stop.
@@ -68,6 +85,7 @@ class System:
     norm_radius: jax.Array
     thickness: jax.Array
     index: jax.Array
+    wavelength: jax.Array
     decenter: jax.Array
     tilt: jax.Array
     aperture: jax.Array
@@ -75,6 +93,7 @@ class System:
     stop_size: jax.Array
     fields: jax.Array
     weights: jax.Array
+    screens: tuple[Screen, ...]
     kinds: tuple[Kind, ...] = static()
     stop: int = static()
     primary: int = static()
@@ -89,10 +108,12 @@ class System:
 
     @property
     def bends(self) -> Any:
-        """(S,) of bool: True where a surface bends light: a mirror, or another index behind it than before."""
-        mirror = np.array([kind.interaction is Interaction.REFLECT for kind in self.kinds[:-1]])
+        """(S,) of bool: True where a surface bends light: a mirror, a screen, another index behind it than before."""
+        always = np.array(
+            [kind.interaction is Interaction.REFLECT or kind.screen is not None for kind in self.kinds[:-1]]
+        )
         changes = self.index[..., 1:] != self.index[..., :-1]
-        return mirror | (changes.any(0) if changes.ndim == 2 else changes)
+        return always | (changes.any(0) if changes.ndim == 2 else changes)
 
     @property
     def orientation(self) -> tuple[int, ...]:
@@ -113,13 +134,23 @@ class System:
         return tuple(gaps[:-1]), tuple(sides)
 
     def at(self, wavelength: int) -> System:
-        """The system at one of its wavelengths, by its place: see `with_index`."""
-        return self.with_index(self.index[wavelength])
+        """The system at one of its wavelengths, by its place: see `with_light`."""
+        return self.with_light(self.light_at(wavelength))
 
-    def with_index(self, index: Any) -> System:
-        """The system at one wavelength, its index (S + 1,); without the lists of wavelengths and fields, so that
-        lenses that differ in them alone are traced by one program."""
-        return self.replace(index=index, weights=self.weights[:0], fields=self.fields[:0], primary=0)
+    @property
+    def light(self) -> Light:
+        """Of all its wavelengths."""
+        return Light(self.index, self.wavelength)
+
+    def light_at(self, wavelength: int) -> Light:
+        """Of one of its wavelengths, by its place."""
+        return Light(self.index[wavelength], self.wavelength[wavelength])
+
+    def with_light(self, light: Light) -> System:
+        """The system at one wavelength; without the lists of wavelengths and fields, so that lenses that differ in them
+        alone are traced by one program."""
+        nothing = {"weights": self.weights[:0], "fields": self.fields[:0]}
+        return self.replace(index=light.index, wavelength=light.wavelength, primary=0, **nothing)
 
     def without_apertures(self) -> System:
         """The same surfaces, nothing stopped: what rays are aimed through."""

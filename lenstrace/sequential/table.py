@@ -109,6 +109,8 @@ def _remarks(row: Any, first: str = "") -> str:
     parts += [f"a{power} = {_plain(value)}" for power, value in row.asphere.items()]
     if row.aperture_kind is not ApertureKind.NONE:
         parts.append(f"{row.aperture_kind.value} {', '.join(map(_plain, row.aperture))} mm")
+    if row.screen is not None:
+        parts.append(row.screen.label)
     if row.is_break:
         parts.append("break")
     if row.decenter is not None:

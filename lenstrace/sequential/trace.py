@@ -26,6 +26,7 @@ from lenstrace.optics.apertures import ApertureKind, passes
 from lenstrace.optics.frames import Pose
 from lenstrace.optics.interactions import bend
 from lenstrace.optics.rays import Ray, RayStatus, failure_code
+from lenstrace.optics.screens.screen import Screen, path_and_slopes
 from lenstrace.optics.shapes.asphere import Asphere
 from lenstrace.optics.shapes.conic import Conic
 from lenstrace.sequential.system import Kind, Placement, System
@@ -61,7 +62,7 @@ def trace(
 ) -> Ray:
     """Rays through surfaces 1 ... last of a system at one wavelength.
 
-    system:  `index` of shape (S + 1,), see `System.at`.
+    system:  at one wavelength, see `System.at`.
     ray:     in the frame of the first vertex, any shape; its optical path is traced if `ray.opl` is not None.
     last:    number of the surface to stop behind; None is the image.
     path:    give every surface instead of the last one: a leading axis, 0 the rays as launched, then one a surface.
@@ -83,7 +84,7 @@ def trace(
 
     def step(state: Ray, surface: tuple[Record, jax.Array]) -> tuple[Ray, Ray | None]:
         record, branch = surface
-        crossings = [functools.partial(cross, kind=kind, forward=forward) for kind in kinds]
+        crossings = [functools.partial(cross, kind=kind, forward=forward, thin=_thin(system, kind)) for kind in kinds]
         after, here = crossings[0](state, record) if len(kinds) == 1 else lax.switch(branch, crossings, state, record)
         return after, here if keep else None
 
@@ -95,10 +96,13 @@ def trace(
     return jax.tree.map(lambda a, b: jnp.concatenate([a[None], b]), ray, met)
 
 
-def cross(ray: Ray, record: Record, kind: Kind, forward: jax.Array) -> tuple[Ray, Ray]:
+def cross(
+    ray: Ray, record: Record, kind: Kind, forward: jax.Array, thin: tuple[Screen, jax.Array] | None = None
+) -> tuple[Ray, Ray]:
     """One surface: to it, through its aperture, bent.
 
     ray: in the frame of the vertex before.     forward: +1, or -1 for rays that run against the light.
+    thin: a phase screen on the surface, and the wavelength, mm.
     Returns the ray in the frame that the next surface counts from, and the ray in this surface's own frame;
     the optical path is the excess W of the module's docstring, in each of the two frames.
     """
@@ -126,7 +130,8 @@ def cross(ray: Ray, record: Record, kind: Kind, forward: jax.Array) -> tuple[Ray
 
     geometry = (direction, crossing.normal, crossing.normal_squared, crossing.cosine, side)
     # a ray that met nothing, or is totally reflected, goes straight on
-    (l, m, n), bent = bend(kind.interaction, *geometry, record.index_before, record.index_after, crossing.met)
+    added, push = (None, None) if thin is None else path_and_slopes(thin[0], x, y, thin[1])
+    (l, m, n), bent = bend(kind.interaction, *geometry, record.index_before, record.index_after, crossing.met, push)
     reason = jnp.where(bent, int(RayStatus.OK), int(RayStatus.TIR))
     if kind.aperture is not ApertureKind.NONE:
         reason = jnp.where(passes(kind.aperture, record.aperture, x, y), reason, int(RayStatus.CLIPPED))
@@ -141,6 +146,8 @@ def cross(ray: Ray, record: Record, kind: Kind, forward: jax.Array) -> tuple[Ray
         ), bent
 
     distance = crossing.distance
+    if added is not None:
+        ray = _replace_opl(ray, ray.opl + added)
     if centred:
         slant = (ray.l * ray.l + ray.m * ray.m) / (1 + before * ray.n)
         step = after * record.index_after - before * record.index_before
@@ -152,6 +159,10 @@ def cross(ray: Ray, record: Record, kind: Kind, forward: jax.Array) -> tuple[Ray
         return bent, bent
     ray = _moved(bent, pose.global_point, pose.global_direction)
     return _replace_opl(ray, arrived - after * record.index_after * ray.z), bent
+
+
+def _thin(system: System, kind: Kind) -> tuple[Screen, jax.Array] | None:
+    return None if kind.screen is None else (system.screens[kind.screen], system.wavelength)
 
 
 def _records(system: System, last: int) -> Record:

@@ -74,7 +74,7 @@ def test_rules_weigh_the_open_pupil() -> None:
                 assert half * weight @ pair.y**2 == pytest.approx(0.25)
     lens = ideal(aperture={"circle": 5.0}, decenter=[3.0, 4.0])
     system, front = with_pupil(lens)
-    pair = open_pupil(front, system.index, system.fields, 12)
+    pair = open_pupil(front, system.light, system.fields, 12)
     for weight in (pair.first, pair.second):
         assert weight.sum() == pytest.approx(1 / 16, rel=1e-4)
         assert (weight * pair.x).sum() / weight.sum() == pytest.approx(3 / 20, rel=1e-3)

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from lenstrace.analysis.zernike import ORDERS, fit_zernike, zernike, zernike_index, zernike_name
+from lenstrace.analysis.zernike import fit_zernike
 from lenstrace.errors import LensTraceError, RayError
+from lenstrace.optics.zernike import ORDERS, zernike, zernike_index, zernike_name
 from lenstrace.sequential.sampling import pupil_points
 
 # Noll, JOSA 66, 207 (1976), table I, written out: j = 1 ... 22; m < 0 stands for the sine.

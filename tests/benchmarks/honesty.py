@@ -139,7 +139,7 @@ def _points(lens: Lens, rings: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]
     """Gauss's rule over the open pupil of every wavelength and field: x, y and weight, (W, F, N)."""
     if any(row.aperture for row in lens):
         system, front = with_pupil(lens)
-        pair = open_pupil(front, system.index, system.fields, rings)
+        pair = open_pupil(front, system.light, system.fields, rings)
         first = pair.first.sum(tuple(range(pair.first.ndim - 1))) > 0
         return pair.x[..., first], pair.y[..., first], pair.first[..., first]
     x, y, weight = pupil_points("gaussian", rings)

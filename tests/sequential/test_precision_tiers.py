@@ -67,7 +67,7 @@ def judged(lens: Lens) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
 def summed(lens: Lens, arrived: ImageRays) -> ImageRays:
     """The same rays with the path as a textbook adds it up, from the wavefront to the image."""
     system, front = with_pupil(lens)
-    index, dtype = jnp.asarray(system.index[system.primary]), system.curvature.dtype
+    light, dtype = system.light_at(system.primary), system.curvature.dtype
     paths = []
     for x, y in zip(lens.fields.x, lens.fields.y, strict=True):
         pupil = np.append(0.0, X), np.append(0.0, Y)
@@ -75,7 +75,7 @@ def summed(lens: Lens, arrived: ImageRays) -> ImageRays:
         radians = [jnp.asarray(float(a) * lens.fields.scale, dtype) for a in (x, y)]
         assert ray.opl is not None
         start = jax.tree.map(lambda a: a[0], ray)
-        paths.append(path_before(front, index, (radians[0], radians[1]), start) + ray.opl[-1])
+        paths.append(path_before(front, light, (radians[0], radians[1]), start) + ray.opl[-1])
     opl = jnp.broadcast_to(jnp.stack(paths), arrived.rays.x.shape)
     return dataclasses.replace(arrived, rays=dataclasses.replace(arrived.rays, opl=opl))
 

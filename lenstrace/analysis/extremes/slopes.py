@@ -79,7 +79,7 @@ def _numbers_slopes(system: System, starts: jax.Array) -> Any:
 def _launch_slopes(front: Front, system: System, points: jax.Array) -> jax.Array:
     def results(point: jax.Array) -> jax.Array:
         field_x, field_y, pupil_x, pupil_y = point
-        return _results(system, launch(front, system.index, (field_x, field_y), (pupil_x, pupil_y)))
+        return _results(system, launch(front, system.light, (field_x, field_y), (pupil_x, pupil_y)))
 
     return jax.vmap(jax.jacfwd(results))(points)
 

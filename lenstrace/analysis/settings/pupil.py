@@ -83,7 +83,7 @@ def opd_truth(lens: Lens) -> tuple[float, float, float]:
         pair = whole_pupil(rings)
         opd, arrives = _paths_through(lens, pair)
         if has_apertures(system) or not arrives.all():
-            pair = open_pupil(front, system.index, system.fields, rings)
+            pair = open_pupil(front, system.light, system.fields, rings)
             opd, arrives = _paths_through(lens, pair)
         first, second, both = (
             _spread(opd, rule.reshape(-1) * arrives) for rule in (pair.first, pair.second, pair.first + pair.second)
@@ -124,7 +124,7 @@ def _spot(lens: Lens, sampling: Sampling, newton_steps: int | None = None) -> Ca
     x, y, weight = padded(*sampling.points)
     if newton_steps is not None:
         front = front._replace(system=front.system.with_newton_steps(newton_steps))
-    asked = Asked(front, system.index, place)
+    asked = Asked(front, system.light, place)
     points = launch_points(asked, system.fields, x, y)
     given = jax.device_put((weight.astype(dtype), system.weights, np.asarray(sampling.free, dtype)))
 

@@ -133,7 +133,7 @@ def _chief(lens: Lens, newton_steps: int | None = None) -> Callable[[], Any]:
     system, front = with_pupil(one)
     if newton_steps is not None:
         front = front._replace(system=front.system.with_newton_steps(newton_steps))
-    asked = Asked(front, system.index, place)
+    asked = Asked(front, system.light, place)
     nowhere = np.zeros(0, system.curvature.dtype)  # no ray but the chief ray
     points = launch_points(asked, system.fields, nowhere, nowhere)
 

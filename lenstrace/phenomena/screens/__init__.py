@@ -1,0 +1,1 @@
+"""Demonstrations of thin phase screens: one law for lenses, gratings, deformable mirrors and masses."""

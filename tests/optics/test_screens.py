@@ -1,0 +1,365 @@
+"""Phase screens against closed forms, the law of interaction in 40 digits, and each other; what a file says of them."""
+
+import itertools
+
+import jax
+import jax.numpy as jnp
+import mpmath
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import lenstrace
+from lenstrace import Lens, PrescriptionError, RayStatus
+from lenstrace.optics.interactions import Interaction, bend
+from lenstrace.optics.screens.grid import GridScreen
+from lenstrace.optics.screens.lenses import IdealLens
+from lenstrace.optics.screens.screen import path_and_slopes
+
+UM, MM = 0.55, 0.55e-3
+GRID = {"half_width": [12.0, 9.0], "path": (1e-3 * np.random.default_rng(1).standard_normal((7, 9))).tolist()}
+SCREENS = {
+    "ideal_lens": 100.0,
+    "quadratic_lens": -80.0,
+    "grating": {"period": 0.003, "order": -2, "angle": 37.0},
+    "zernike": {"radius": 11.0, "order": "noll", "terms": {4: 2e-3, 7: -1e-3, 11: 5e-4}},
+    "grid": GRID,
+    "point_mass": 1e-4,
+}
+every_screen = pytest.mark.parametrize("kind", SCREENS)
+
+
+def flat(screen: object, **row: object) -> Lens:
+    """One surface in air, a screen on it, 100 mm before the image."""
+    rows = [{"thickness": 100.0, "stop": True, **({} if screen is None else {"screen": screen}), **row}]
+    return lenstrace.lens(rows, {"entrance_pupil_diameter": 20.0}, [0.0], [0.5, UM])
+
+
+def inclined(count: int = 40) -> lenstrace.Ray:
+    """Rays from all sides."""
+    some = np.random.default_rng(2)
+    point = some.uniform(-7, 7, (3, count))
+    l, m = some.uniform(-0.4, 0.4, (2, count))
+    return lenstrace.ray(tuple(point), (l, m, np.sqrt(1 - l * l - m * m)))
+
+
+def test_the_ideal_lens_focuses_to_one_point() -> None:
+    end = lenstrace.trace(flat({"ideal_lens": 100.0}), pupil=(0.3, np.linspace(-1, 1, 9)), path=False)
+    assert np.abs(np.asarray(end.y)).max() <= 1e-12
+    assert_allclose(end.opl, 100.0, rtol=1e-15)
+    diverging = lenstrace.trace(flat({"ideal_lens": -100.0}), pupil=(0.0, np.array([0.2, 1.0])))
+    assert_allclose(-diverging.y[1] * diverging.n[1] / diverging.m[1], -100.0, rtol=1e-14)
+
+
+def test_the_quadratic_lens_crosses_where_its_closed_form_says() -> None:
+    path = lenstrace.trace(flat({"quadratic_lens": 100.0}), pupil=(0.0, np.array([0.5, 1.0])))
+    crossing = -path.y[1] * path.n[1] / path.m[1]
+    assert_allclose(crossing, np.sqrt(100.0**2 - np.array([5.0, 10.0]) ** 2), rtol=1e-14)
+    assert float(crossing[1]) == pytest.approx(99.498743710662, abs=5e-13)
+
+
+@pytest.mark.parametrize(("order", "degrees"), [*itertools.product([-2, -1, 0, 1, 2], [0.0, 20.0, -65.0])])
+def test_grating_orders_obey_the_grating_equation(order: int, degrees: float) -> None:
+    lens = flat({"grating": {"period": 0.0025, "order": order, "angle": 90.0}}, index=1.4)
+    incident = np.sin(np.radians(degrees))
+    start = lenstrace.ray((0.0, 1.0, 0.0), (0.0, incident, np.sqrt(1 - incident**2)))
+    path = lenstrace.trace(lens, rays=start)
+    assert float(path.m[1]) == pytest.approx((incident + order * MM / 0.0025) / 1.4, abs=1e-14)
+    other = lenstrace.trace(lens, rays=start, wavelength=0.5)
+    assert float(other.m[1]) == pytest.approx((incident + order * 0.5e-3 / 0.0025) / 1.4, abs=1e-14)
+
+
+def test_conical_diffraction_keeps_the_momentum_along_the_lines() -> None:
+    lens = flat({"grating": {"period": 0.0025, "order": 1, "angle": 0.0}})
+    path = lenstrace.trace(lens, rays=lenstrace.ray((0, 0, 0), (0.1, 0.3, np.sqrt(0.9))))
+    assert_allclose([path.l[1], path.m[1]], [0.1 + MM / 0.0025, 0.3], atol=1e-15)
+
+
+def test_an_order_that_does_not_exist_is_a_lost_ray_with_finite_derivatives() -> None:
+    def slope(period: jax.Array) -> jax.Array:
+        lens = flat(None).replace(surface=1, screen={"grating": {"period": period, "order": 1, "angle": 90.0}})
+        return lenstrace.trace(lens, pupil=(0.0, 0.5)).m[-1]
+
+    lost = lenstrace.trace(flat({"grating": {"period": 5e-4, "order": 1, "angle": 90.0}}), pupil=(0.0, 0.5))
+    assert RayStatus(int(lost.status[-1])) is RayStatus.TIR
+    assert int(lost.surface[-1]) == 1
+    assert jax.grad(slope)(5e-4) == 0
+    assert float(jax.grad(slope)(5e-3)) == pytest.approx(-MM / 5e-3**2, rel=1e-12)
+
+
+@every_screen
+@pytest.mark.parametrize("row", [{}, {"radius": 40.0, "index": 1.5}, {"mirror": True, "radius": -90.0}])
+def test_a_screen_of_nothing_changes_nothing(kind: str, row: dict[str, object]) -> None:
+    nothing = {
+        "ideal_lens": 1e300,
+        "quadratic_lens": 1e300,
+        "grating": {"period": 1.0, "order": 0},
+        "zernike": {"radius": 10.0, "terms": {4: 0.0}},
+        "grid": {"half_width": [5, 5], "path": np.zeros((5, 6))},
+        "point_mass": 1e-300,
+    }
+    thickness = {"thickness": -100.0} if "mirror" in row else {}
+    plain = lenstrace.trace(flat(None, **row, **thickness), rays=inclined())
+    found = lenstrace.trace(flat({kind: nothing[kind]}, **row, **thickness), rays=inclined())
+    for name in "xyzlmn":
+        assert_allclose(getattr(found, name), getattr(plain, name), rtol=0, atol=2e-14)
+    assert_allclose(found.opl, plain.opl, rtol=1e-15)
+
+
+def test_a_screen_of_nothing_in_air_changes_no_bit() -> None:
+    start = inclined()
+    found = lenstrace.trace(flat({"zernike": {"radius": 10.0, "terms": {4: 0.0, 9: 0.0}}}), rays=start)
+    for name in "lmn":
+        np.testing.assert_array_equal(getattr(found, name)[1], getattr(start, name))
+
+
+OPPOSITE = {
+    "ideal_lens": -100.0,
+    "quadratic_lens": 80.0,
+    "grating": {"period": 0.003, "order": 2, "angle": 37.0},
+    "zernike": {"radius": 11.0, "order": "noll", "terms": {4: -2e-3, 7: 1e-3, 11: -5e-4}},
+    "grid": {"half_width": GRID["half_width"], "path": -np.array(GRID["path"])},
+}
+
+
+@pytest.mark.parametrize("kind", OPPOSITE)
+def test_a_screen_and_its_negative_cancel(kind: str) -> None:
+    rows = [{"stop": True, "screen": {kind: SCREENS[kind]}}, {"screen": {kind: OPPOSITE[kind]}, "thickness": 50.0}]
+    lens = lenstrace.lens(rows, {"entrance_pupil_diameter": 20.0}, [0.0], [UM])
+    start = inclined()
+    path = lenstrace.trace(lens, rays=start)
+    assert np.asarray(path.ok[1]).all()
+    for name in "lmn":
+        assert_allclose(getattr(path, name)[2], getattr(start, name), rtol=0, atol=1e-15)
+    step = np.hypot(np.hypot(path.x[1] - start.x, path.y[1] - start.y), start.z)
+    assert_allclose(path.opl[2], -np.sign(start.z) * step, atol=2e-14)
+
+
+@every_screen
+@pytest.mark.parametrize("index", [1.0, 1.6, -1.2])
+def test_light_sent_back_retraces_its_way(kind: str, index: float) -> None:
+    lens = flat({kind: SCREENS[kind]}, radius=60.0, index=index)
+    start = inclined()
+    there = jax.tree.map(lambda a: a[1], lenstrace.trace(lens, rays=start))
+    assert np.asarray(there.ok).all()
+    index_behind = jnp.asarray(index)
+    back = tuple(-d for d in (there.l, there.m, there.n))
+    normal = (-there.x / 60, -there.y / 60, 1 - there.z / 60)
+    along = sum(n * d for n, d in zip(normal, back, strict=True))
+    screen = lens[1].screen
+    assert screen is not None
+    _, push = path_and_slopes(screen, there.x, there.y, jnp.asarray(MM))
+    geometry = (back, normal, jnp.ones_like(along), jnp.abs(along), jnp.sign(along))
+    either = Interaction.REFRACT_EITHER_SIGN
+    (l, m, n), bends = bend(either, *geometry, index_behind, jnp.asarray(1.0), jnp.full(along.shape, True), push)
+    assert np.asarray(bends).all()
+    for found, sent in zip((l, m, n), (start.l, start.m, start.n), strict=True):
+        assert_allclose(found, -sent, rtol=0, atol=3e-15)
+
+
+@pytest.mark.parametrize("interaction", Interaction)
+def test_the_law_in_40_digits(interaction: Interaction) -> None:
+    """p = n1 d1 + grad W along the surface is n2 d2 along it, d2 a unit vector to the right side."""
+    some = np.random.default_rng(3)
+    mp = mpmath.mp
+    with mp.workdps(40):
+        for _ in range(30):
+            d = some.standard_normal(3)
+            d /= np.sqrt(d @ d)
+            normal = np.append(some.uniform(-0.5, 0.5, 2), 1.0)
+            push = some.uniform(-0.2, 0.2, 2)
+            n1, n2 = 1.3, -1.6 if interaction is Interaction.REFRACT_EITHER_SIGN else 1.6
+            exact = [[mp.mpf(float(a)) for a in v] for v in (d, normal, np.append(push, 0.0))]
+            length = mp.sqrt(sum(a * a for a in exact[1]))
+            unit = [a / length for a in exact[1]]
+            behind = mp.mpf(n1) if interaction is Interaction.REFLECT else mp.mpf(n2)
+            momentum = [mp.mpf(n1) * a + w for a, w in zip(exact[0], exact[2], strict=True)]
+            across = sum(a * b for a, b in zip(momentum, unit, strict=True))
+            tangent = [(a - across * b) / behind for a, b in zip(momentum, unit, strict=True)]
+            square = 1 - sum(a * a for a in tangent)
+            cosine = sum(a * b for a, b in zip(exact[0], unit, strict=True))
+            sign = mp.sign(cosine) * (-1 if interaction is Interaction.REFLECT else 1)
+            if square <= 0:
+                continue
+            expected = [float(a + sign * mp.sqrt(square) * b) for a, b in zip(tangent, unit, strict=True)]
+            numbers = tuple(map(jnp.asarray, d)), tuple(map(jnp.asarray, normal))
+            along = jnp.asarray(d @ normal)
+            geometry = (*numbers, jnp.asarray(normal @ normal), jnp.abs(along), jnp.sign(along))
+            slopes = jnp.asarray(push[0]), jnp.asarray(push[1])
+            found, bends = bend(interaction, *geometry, jnp.asarray(n1), jnp.asarray(n2), jnp.asarray(True), slopes)
+            assert bool(bends)
+            # near grazing exit the direction is as uncertain as its square root
+            assert_allclose(found, expected, rtol=0, atol=2e-15 / max(float(mp.sqrt(square)), 1e-3))
+
+
+@every_screen
+@pytest.mark.parametrize("row", [{}, {"mirror": True, "thickness": -100.0, "radius": -70.0}])
+def test_derivatives_are_those_of_differences(kind: str, row: dict[str, object]) -> None:
+    lens = flat({kind: SCREENS[kind]}, **row)
+    leaves, structure = jax.tree.flatten(lens[1].screen)
+
+    def place(numbers: list[jax.Array]) -> jax.Array:
+        screen = structure.unflatten(numbers)
+        end = lenstrace.trace(lens.replace(surface=1, screen=screen), pupil=(0.31, 0.62), path=False)
+        assert end.opl is not None
+        return end.x + 2 * end.y + 3 * end.opl
+
+    numbers = [jnp.asarray(leaf, float) for leaf in leaves]
+    slopes = jax.jit(jax.grad(place))(numbers)
+    compiled = jax.jit(place)
+    for at, slope in enumerate(slopes):
+        step = 1e-6 * max(1e-3, float(jnp.abs(numbers[at]).max()))
+        toward = jnp.asarray(np.random.default_rng(4).standard_normal(numbers[at].shape))
+        ends = [compiled([n + s * step * toward if i == at else n for i, n in enumerate(numbers)]) for s in (1, -1)]
+        difference = float(ends[0] - ends[1]) / (2 * step)
+        assert float(jnp.sum(slope * toward)) == pytest.approx(difference, rel=2e-6, abs=1e-6)
+
+
+@every_screen
+def test_everything_is_finite_at_the_vertex(kind: str) -> None:
+    def result(y: jax.Array) -> jax.Array:
+        return lenstrace.trace(flat({kind: SCREENS[kind]}), pupil=(0.0, y), path=False).y
+
+    assert np.isfinite([float(result(jnp.asarray(0.0))), float(jax.grad(result)(0.0))]).all()
+    assert np.isfinite(np.asarray(lenstrace.first_order(flat({kind: SCREENS[kind]})).power)).all()
+
+
+def test_a_grid_is_exact_for_cubics_and_smooth() -> None:
+    x, y = np.linspace(-3, 3, 8), np.linspace(-2, 2, 5)
+
+    def cubic(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        return 0.1 + x - 2 * y + x * y + 0.3 * x**3 - 0.2 * y**3 + 0.05 * x**3 * y**2
+
+    grid = GridScreen(cubic(x[None], y[:, None]), (3.0, 2.0))
+    some = np.random.default_rng(5)
+    px, py = some.uniform(-3, 3, 200), some.uniform(-2, 2, 200)
+    value, (along_x, along_y) = path_and_slopes(grid, jnp.asarray(px), jnp.asarray(py), jnp.asarray(MM))
+    assert_allclose(value, cubic(px, py), atol=2e-14)
+    assert_allclose(along_x, 1 + py + 0.9 * px**2 + 0.15 * px**2 * py**2, atol=1e-13)
+    assert_allclose(along_y, -2 + px - 0.6 * py**2 + 0.1 * px**3 * py, atol=1e-13)
+
+
+def test_a_grid_converges_with_the_fourth_power_of_its_step() -> None:
+    at = jnp.linspace(-0.9, 0.9, 57)
+    errors = []
+    for count in (9, 17, 33):
+        x = np.linspace(-1, 1, count)
+        grid = GridScreen(np.sin(2 * x[None] + x[:, None]), (1.0, 1.0))
+        errors.append(float(jnp.abs(grid.path(at, -at / 2, jnp.asarray(MM)) - jnp.sin(2 * at - at / 2)).max()))
+    assert np.log2(errors[0] / errors[1]) > 3.5
+    assert np.log2(errors[1] / errors[2]) > 3.5
+
+
+def test_a_deformable_mirror_turned_by_an_angle_turns_light_by_twice_that() -> None:
+    slope = np.sin(np.radians(0.4))
+    y = np.linspace(-12, 12, 5)
+    path = -slope * np.repeat(y[:, None], 5, 1)
+    lens = flat({"grid": {"half_width": [12, 12], "path": path}}, mirror=True, thickness=-100.0)
+    end = lenstrace.trace(lens, pupil=(0.0, 0.7))
+    assert float(end.m[1]) == pytest.approx(-slope, abs=1e-15)
+    turned = flat(None, mirror=True, thickness=-100.0, tilt=[-0.2, 0, 0])
+    assert float(lenstrace.trace(turned, pupil=(0.0, 0.7)).m[2]) == pytest.approx(-slope, abs=1e-15)
+
+
+def test_zernike_terms_are_those_of_the_tables() -> None:
+    lens = flat({"zernike": {"radius": 10.0, "order": "fringe", "terms": {9: 2e-3}}})
+    path = lenstrace.trace(lens, pupil=(0.0, np.array([0.0, 0.25, 1.0])))
+    assert path.opl is not None
+    r = np.array([0.0, 0.25, 1.0])
+    assert_allclose(path.opl[1], 2e-3 * (6 * r**4 - 6 * r**2 + 1), atol=1e-15)
+    slope = 2e-3 * (24 * r**3 - 12 * r) / 10
+    assert_allclose(path.m[1], slope, atol=1e-16)
+
+
+def test_a_point_mass_turns_light_by_einsteins_angle() -> None:
+    path = lenstrace.trace(flat({"point_mass": 1e-3}), pupil=(0.0, np.array([0.1, 1.0])))
+    assert_allclose(path.m[1], -2e-3 / np.array([1.0, 10.0]), rtol=1e-14)
+
+
+def test_paraxial_optics_knows_the_power_of_a_screen() -> None:
+    rows = [
+        {"thickness": 30.0, "stop": True, "screen": {"ideal_lens": 100.0}, "index": 1.5},
+        {"thickness": 10.0, "screen": {"quadratic_lens": 50.0}},
+    ]
+    lens = lenstrace.lens(rows, {"entrance_pupil_diameter": 1e-3}, [0.0], [UM])
+    found = float(lenstrace.first_order(lens).focal_length[0])
+    assert found == pytest.approx(1 / (1 / 100 + 1 / 50 - 20 / 100 / 50), rel=1e-14)
+    end = lenstrace.trace(lens, pupil=(0.0, 1.0))
+    assert float(-5e-4 / end.m[2]) == pytest.approx(found, rel=1e-9)
+    with pytest.raises(PrescriptionError, match=r"a phase screen .* has no Seidel sums"):
+        lenstrace.seidel(lens)
+
+
+def test_newtons_equation_holds_with_a_screen() -> None:
+    check = lenstrace.newton_check(flat({"ideal_lens": 100.0}))
+    assert_allclose(check.residual, 0, atol=1e-12)
+    assert_allclose(check.slope[np.isfinite(np.asarray(check.slope))], 2, atol=0.1)
+
+
+def test_float32_stays_float32() -> None:
+    for kind, value in SCREENS.items():
+        end = lenstrace.trace(flat({kind: value}).astype("float32"), pupil=(0.0, 0.5))
+        assert end.y.dtype == jnp.float32
+        wide = lenstrace.trace(flat({kind: value}), pupil=(0.0, 0.5))
+        assert_allclose(end.y[-1], wide.y[-1], atol=3e-5)
+
+
+@every_screen
+@pytest.mark.parametrize("unit", ["mm", "in"])
+def test_a_file_keeps_a_screen(kind: str, unit: str) -> None:
+    lens = flat({kind: SCREENS[kind]})
+    again = lenstrace.loads(lenstrace.dumps(lens))
+    assert jax.tree.structure(again) == jax.tree.structure(lens)
+    for a, b in zip(jax.tree.leaves(again), jax.tree.leaves(lens), strict=True):
+        np.testing.assert_array_equal(a, b)
+    inches = lenstrace.loads(lenstrace.dumps(lens).replace("name", 'units = "in"\nname', 1))
+    if unit == "in" and kind in ("ideal_lens", "quadratic_lens", "point_mass"):
+        assert jax.tree.leaves(inches[1].screen)[0] == pytest.approx(25.4 * SCREENS[kind])
+    if kind == "grating":
+        grating = inches[1].screen
+        assert jax.tree.leaves(grating) == pytest.approx([0.003 * 25.4, -2, 37])
+    if kind == "zernike":
+        assert max(jax.tree.leaves(inches[1].screen)) == pytest.approx(11 * 25.4)
+
+
+@pytest.mark.parametrize(
+    ("screen", "message"),
+    [
+        ({"ideal_lens": 0.0}, "surface 1: screen ideal_lens: the focal length must be a finite number other than 0"),
+        ({"quadratic_lens": float("nan")}, "finite number other than 0, got nan"),
+        ({"grating": {"period": -1.0}}, "grating: the period must be a finite number above 0, got -1"),
+        ({"grating": {"period": 1.0, "order": 0.5}}, "the order must be a whole number, got 0.5"),
+        ({"grating": {"period": 1.0, "angle": float("inf")}}, "the angle must be a finite number, got inf"),
+        ({"grating": {}}, "period"),
+        ({"zernike": {"radius": 0.0, "terms": {4: 1.0}}}, "zernike: the radius must be a finite number above 0"),
+        ({"zernike": {"radius": 1.0, "terms": {0: 1.0}}}, "numbered from 1"),
+        ({"zernike": {"radius": 1.0, "terms": {}}}, "at least one term is needed"),
+        ({"zernike": {"radius": 1.0, "terms": {"a": 1.0}}}, "terms are numbers and coefficients"),
+        ({"zernike": {"radius": 1.0, "terms": {4: float("inf")}}}, "a coefficient must be a finite number"),
+        (
+            {"grid": {"half_width": [1, 1], "path": [[1.0, 2.0]]}},
+            r"at least 4 rows of 4 values, got the shape \(1, 2",
+        ),
+        ({"grid": {"half_width": [1, 1], "path": [[1.0, 2.0], [1.0]]}}, "a table of numbers, every row as long"),
+        ({"grid": {"half_width": [1], "path": [[1.0] * 4] * 4}}, "half_width takes 2 numbers"),
+        ({"grid": {"half_width": [1, -1], "path": [[1.0] * 4] * 4}}, "half_width must be a finite number above 0"),
+        ({"grid": {"half_width": [1, 1], "path": [[float("nan")] * 4] * 4}}, "the path must be finite numbers"),
+        ({"point_mass": -1.0}, "the Schwarzschild radius must be a finite number above 0"),
+        ({"ideal_lens": 1.0, "point_mass": 1.0}, "screen takes one of ideal_lens, quadratic_lens, point_mass, grating"),
+    ],
+)
+def test_bad_screens_are_refused_in_one_line(screen: dict[str, object], message: str) -> None:
+    with pytest.raises(PrescriptionError, match=message) as caught:
+        flat(screen)
+    assert "\n" not in str(caught.value)
+    with pytest.raises(PrescriptionError, match=r"surface 1|screen"):
+        flat({"ideal_lens": 50.0}).replace(surface=1, screen=screen)
+
+
+def test_a_screen_may_be_given_as_it_is_and_taken_away() -> None:
+    lens = flat(None).replace(surface=1, screen=IdealLens(70.0))
+    assert float(lenstrace.first_order(lens).focal_length[0]) == pytest.approx(70.0, rel=1e-14)
+    assert lens.replace(surface=1, screen=None)[1].screen is None
+    assert lens.replace(surface=1, screen={})[1].screen is None
+    with pytest.raises(PrescriptionError, match="screen cannot be given to the image surface"):
+        lens.replace(surface=2, screen={"ideal_lens": 50.0})
