@@ -9,7 +9,10 @@ from typing import Any
 # Folder: what the group is called, and the names in it.
 GROUPS = {
     "negative_index": ("Negative index", ("slab",)),
-    "screens": ("Thin phase screens", ("ideal-lens", "grating", "zernike-screen", "point-mass")),
+    "screens": (
+        "Thin phase screens",
+        ("ideal-lens", "grating", "zernike-screen", "sampled-screen", "deformable-mirror", "point-mass"),
+    ),
 }
 PLACES = {name: group for group, (_, names) in GROUPS.items() for name in names}
 

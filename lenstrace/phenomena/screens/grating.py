@@ -60,13 +60,13 @@ def grating(
 
     OptionError where none of the orders exists.
     """
-    numbers = np.arange(-orders, orders + 1)
+    numbers = list(range(-orders, orders + 1))
     incident = math.sin(math.radians(angle))
     rows, angles = [], {}
     for name, behind in (("transmitted", {"index": index}), ("reflected", {"mirror": True})):
         plate = _plate(period, behind)
         found = np.array([_sine(plate, number, wavelength, angle) for number in numbers])
-        theory = (incident + numbers * wavelength / period) / behind.get("index", 1.0)
+        theory = (incident + np.array(numbers) * wavelength / period) / behind.get("index", 1.0)
         for number, measured, expected in zip(numbers, found, theory, strict=True):
             exists = abs(expected) < 1
             if exists or not np.isnan(measured):
@@ -82,7 +82,7 @@ def grating(
         f"{wavelength:g} um at {angle:g} deg",
         rows=tuple(rows),
         incidence=math.radians(angle),
-        orders=numbers,
+        orders=np.array(numbers),
         spectrum=SPECTRUM,
         spectra=np.arcsin(np.array(spectra)),
         **angles,

@@ -8,14 +8,13 @@ A beam along the axis that crosses a screen at the height y leaves it with the t
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import jax
 import numpy as np
 
 from lenstrace.analysis.rays import trace
 from lenstrace.errors import OptionError
-from lenstrace.optics.rays import Ray
 from lenstrace.phenomena.demonstration import Comparison, Demonstration, result
 from lenstrace.phenomena.options import Option, demonstration
 from lenstrace.sequential.prescription import lens
@@ -82,8 +81,8 @@ def ideal_lens(
     )
 
 
-def _through(kind: str, focal_length: float, height: float, share: np.ndarray) -> Ray:
-    """The beam at the launch, behind the screen, and at z = f."""
+def _through(kind: str, focal_length: float, height: float, share: np.ndarray) -> Any:
+    """A `Ray`: the beam at the launch, behind the screen, and at z = f."""
     thin = lens(
         [{"thickness": focal_length, "stop": True, "screen": {kind: focal_length}}],
         {"entrance_pupil_diameter": 2 * height},
@@ -93,6 +92,6 @@ def _through(kind: str, focal_length: float, height: float, share: np.ndarray) -
     return jax.device_get(trace(thin, pupil=(0.0, share)))
 
 
-def _crossing(path: Ray) -> np.ndarray:
+def _crossing(path: Any) -> np.ndarray:
     """z where the rays behind the screen cross the axis, mm."""
     return -path.y[1] * path.n[1] / path.m[1]

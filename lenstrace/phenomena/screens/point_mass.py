@@ -1,7 +1,7 @@
 """A star as a lens: what stands behind it is seen twice.
 
-Light that passes a mass at the distance b is turned toward it by 2 r_s / b, r_s its Schwarzschild radius. With the distances D_l to the lens, D_s to the source and D_ls between them, an image at the angle t belongs to a source
-at
+Light that passes a mass at the distance b is turned toward it by 2 r_s / b, r_s its Schwarzschild radius. With the
+distances D_l to the lens, D_s to the source and D_ls between them, an image at the angle t belongs to a source at
 
     u = t - t_E^2 / t,      t_E^2 = 2 r_s D_ls / (D_l D_s),
 
@@ -112,7 +112,7 @@ def point_mass(
 def _images(thin: Lens, einstein: jax.Array, sources: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
     """Images (2, 2, N) of sources (2, N) and how much each is magnified, (2, N); where a ray along y at t_E comes from.
     All angles in units of t_E, by rays traced back from the observer."""
-    near, far = thin.object_distance, thin[1].thickness
+    near, far = jnp.asarray(thin.object_distance), jnp.asarray(thin[1].thickness)
 
     def source_of(image: jax.Array) -> jax.Array:
         x, y = image * einstein

@@ -11,14 +11,13 @@ Noll, JOSA 66, 207 (1976).
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import jax
 import numpy as np
 
 from lenstrace.analysis.rays import trace
 from lenstrace.analysis.zernike import fit_zernike
-from lenstrace.optics.rays import Ray
 from lenstrace.optics.zernike import zernike_index, zernike_name
 from lenstrace.phenomena.demonstration import Comparison, Demonstration, result
 from lenstrace.phenomena.options import Option, demonstration
@@ -35,8 +34,9 @@ class ZernikeScreen(Demonstration):
     """A screen, and the spot of a beam through it and an ideal lens.
 
     name:          of the polynomial.       amount: its coefficient, um.
-    x, y:          (SIDE,), in units of the pupil's radius.       path: (SIDE, SIDE), um, nan outside the pupil.
-    spot_x, spot_y:  (N,), mm, in the focal plane of a lens of FOCAL_LENGTH mm; of rays along x and y of the pupil.
+    x:             (SIDE,), along either side, in units of the pupil's radius.
+    path:          (SIDE, SIDE), um, a row for each y; nan outside the pupil.
+    spot_x, spot_y:  (N,), mm, in the focal plane of an ideal lens of FOCAL_LENGTH mm.
     """
 
     name: str
@@ -65,6 +65,7 @@ def zernike_screen(
     count = len(points.x)
     rays = jax.tree.map(lambda a: a[..., :count], whole)
     mean = np.asarray(points.weight) / np.sum(points.weight)
+    paths = np.sum(mean * rays.opl[1] ** 2)
     slopes = np.sum(mean * (rays.l[1] ** 2 + rays.m[1] ** 2))
     fitted = fit_zernike("noll", term, points.x, points.y, rays.opl[1], points.weight)
     path = np.full((SIDE, SIDE), np.nan)
@@ -74,9 +75,7 @@ def zernike_screen(
         setting=f"a beam along the axis through a screen of {amount:g} um of Noll's polynomial {term} "
         f"({zernike_name(n, m) or f'n = {n}, m = {m}'}), radius {radius:g} mm",
         rows=(
-            Comparison(
-                "RMS of the path over the pupil", "um", 1e3 * np.sqrt(np.sum(mean * rays.opl[1] ** 2)), abs(amount)
-            ),
+            Comparison("RMS of the path over the pupil", "um", 1e3 * np.sqrt(paths), abs(amount)),
             Comparison("the term fitted to the traced paths", "um", 1e3 * float(fitted.coefficients[-1]), amount),
             Comparison(
                 "RMS of the angle (sine)",
@@ -94,8 +93,8 @@ def zernike_screen(
     )
 
 
-def _through(term: int, coefficient: float, radius: float, x: np.ndarray, y: np.ndarray) -> Ray:
-    """Rays at points of the pupil: at the launch, behind the screen, behind an ideal lens in the focal plane."""
+def _through(term: int, coefficient: float, radius: float, x: np.ndarray, y: np.ndarray) -> Any:
+    """A `Ray` at points of the pupil: at the launch, behind the screen, behind an ideal lens in the focal plane."""
     thin = lens(
         [
             {"stop": True, "screen": {"zernike": {"radius": radius, "terms": {term: coefficient}}}},

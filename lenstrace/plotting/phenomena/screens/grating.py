@@ -22,9 +22,7 @@ def plot_orders(found: Grating, axes: Axes) -> Axes:
                 continue
             out = (np.sin(angle), side * np.cos(angle))
             axes.annotate("", out, (0, 0), arrowprops={"arrowstyle": "-|>", "color": colour, "linewidth": 1.2})
-            axes.text(
-                1.1 * out[0], 1.1 * out[1], f"{order:+d}" if order else "0", color=colour, ha="center", va="center"
-            )
+            axes.text(1.1 * out[0], 1.1 * out[1], _name(order), color=colour, ha="center", va="center")
     axes.set(xlabel="y, any unit", ylabel="height above the grating, any unit", title="Orders")
     axes.set(xlim=(-1.25, 1.25), ylim=(-1.25, 1.25), aspect="equal")
     return axes
@@ -34,11 +32,15 @@ def plot_spectra(found: Grating, axes: Axes) -> Axes:
     """Angle of the transmitted orders against the wavelength."""
     for order, angles, colour in zip(found.orders, found.spectra, colours(len(found.orders)), strict=True):
         if not np.isnan(angles).all():
-            axes.plot(found.spectrum, np.degrees(angles), color=colour, label=f"{order:+d}" if order else "0")
+            axes.plot(found.spectrum, np.degrees(angles), color=colour, label=_name(order))
     axes.set(xlabel="wavelength, um", ylabel="angle behind the grating, deg", title="Dispersion of the orders")
     axes.grid(alpha=0.3)
     axes.legend(title="order", fontsize="small", loc="center left", bbox_to_anchor=(1, 0.5), frameon=False)
     return axes
+
+
+def _name(order: int) -> str:
+    return f"{order:+d}" if order else "0"
 
 
 PANELS = (plot_orders, plot_spectra)

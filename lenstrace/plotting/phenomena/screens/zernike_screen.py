@@ -13,7 +13,8 @@ def plot_path(found: ZernikeScreen, axes: Axes) -> Axes:
     largest = abs(found.path[found.path == found.path]).max()
     edges = (found.x[0], found.x[-1], found.x[0], found.x[-1])
     image = axes.imshow(found.path, origin="lower", extent=edges, cmap="PuOr", vmin=-largest, vmax=largest)
-    axes.figure.colorbar(image, ax=axes, label="added path, um", shrink=0.85)
+    axes.figure.colorbar(image, ax=axes, label="added path, um")
+    axes.set(xticks=[-1, 0, 1], yticks=[-1, 0, 1])
     axes.set(xlabel="x / radius", ylabel="y / radius", title=f"W: {found.name}" if found.name else "W")
     return axes
 
