@@ -33,7 +33,7 @@ def demonstration_figure(demonstration: Demonstration) -> Figure:
 
 def _drawn(demonstration: Demonstration, new: Callable[..., Any]) -> Figure:
     panels = _panels(demonstration)
-    figure = new(figsize=(WIDTH if len(panels) > 1 else ALONE, HEIGHT), layout="constrained")
+    figure = new(figsize=(WIDTH if len(panels) > 1 else ALONE, HEIGHT), layout="compressed")
     for panel, axes in zip(panels, figure.subplots(1, len(panels), squeeze=False)[0], strict=True):
         panel(demonstration, axes)
     return figure

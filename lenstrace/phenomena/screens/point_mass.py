@@ -23,7 +23,7 @@ import numpy as np
 
 from lenstrace.analysis.rays import ray, trace
 from lenstrace.optics.rays import living
-from lenstrace.phenomena.demonstration import Comparison, Demonstration, result
+from lenstrace.phenomena.demonstration import RELATIVE_TOLERANCE, Comparison, Demonstration, result
 from lenstrace.phenomena.options import Option, demonstration
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.prescription import lens
@@ -34,7 +34,7 @@ KILOPARSEC = 3.0856775814913673e22  # mm, IAU 2015 resolution B2
 ARC_SECOND = math.pi / 180 / 3600
 STEPS = 8  # of Newton's method, which converges from one side
 SOURCE = 0.2  # radius of the drawn star, in units of t_E
-RING = 1e-14  # of t_E: rounding of what should be 0
+SMALL_ANGLES = 10.0  # of the square of the angle, which the closed forms leave out, at offsets of some t_E
 POINTS = 181  # of the drawn images
 
 
@@ -88,15 +88,18 @@ def point_mass(
     theory = (centres**2 + 2) / (centres * np.sqrt(centres**2 + 4))
     both = (offset + np.array([1, -1]) * math.sqrt(offset**2 + 4)) / 2
     unit = einstein / ARC_SECOND * 1e3
+    small = RELATIVE_TOLERANCE + SMALL_ANGLES * einstein**2
     return PointMass(
         setting=f"a lens of {mass:g} solar masses at {lens_distance:g} kpc, a star {beyond:g} kpc behind it and "
         f"{offset * unit:.4g} mas off its line; Einstein's angle t_E is {unit:.6g} mas",
         rows=(
             Comparison("light at the rim of the Sun is turned by", "arcsec", -float(grazing.m[1]) / ARC_SECOND, turned),
-            Comparison("image on the side of the star", "mas", images[0, 1, -1] * unit, both[0] * unit),
-            Comparison("image on the other side", "mas", images[1, 1, -1] * unit, both[1] * unit),
-            Comparison("light of both images over that of the star", "", magnification[-1], theory[-1]),
-            Comparison("where a ray at Einstein's angle comes from", "mas", ring * unit, 0.0, RING * unit),
+            Comparison("image on the side of the star", "mas", images[0, 1, -1] * unit, both[0] * unit, small * unit),
+            Comparison("image on the other side", "mas", images[1, 1, -1] * unit, both[1] * unit, small * unit),
+            Comparison(
+                "light of both images over that of the star", "", magnification[-1], theory[-1], small * theory[-1]
+            ),
+            Comparison("where a ray at Einstein's angle comes from", "mas", ring * unit, 0.0, small * unit),
         ),
         einstein=unit,
         source=offset * unit,

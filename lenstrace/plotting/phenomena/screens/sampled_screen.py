@@ -28,7 +28,9 @@ def plot_errors(found: SampledScreen, axes: Axes) -> Axes:
         line = errors[-1] * (count / count[-1]) ** -power
         axes.loglog(count, line, color=colour, linewidth=1, label=f"step to the power {power}")
     axes.set(xlabel="samples to a wave", ylabel="largest error over largest value", title="A wave, sampled")
-    axes.grid(alpha=0.3, which="both")
+    axes.set_xticks([6, 10, 20, 40], ["6", "10", "20", "40"], minor=False)
+    axes.set_xticks([], minor=True)
+    axes.grid(alpha=0.3)
     axes.legend(fontsize="small")
     return axes
 
