@@ -1,7 +1,8 @@
-"""Rays that leave a point of the axis in the meridional plane: where they cross it again, and their caustic."""
+"""Rays in the meridional plane, from a point of the axis or parallel to it: where they cross it, and their caustic."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import jax
@@ -13,14 +14,16 @@ from lenstrace.sequential.lens import Lens
 
 
 class Fan(NamedTuple):
-    """Rays of one point of the axis, (N,), behind a lens; mm, z from the image surface.
+    """Rays, (N,), behind a lens; mm, z from the image surface.
 
     path:       at every surface, see `trace`.
+    slope_rate: how the slope dy/dz behind the lens changes with what tells the rays apart.
     crossing:   z where each crosses the axis; on the axis itself the limit of its neighbours.
     caustic_z, caustic_y:  where each touches its neighbours in the plane.
     """
 
     path: Ray
+    slope_rate: jax.Array
     crossing: jax.Array
     caustic_z: jax.Array
     caustic_y: jax.Array
@@ -28,20 +31,33 @@ class Fan(NamedTuple):
 
 def fan(lens: Lens, angles: jax.Array) -> Fan:
     """Rays from the axial object point of a lens; angles: (N,), radians, against the axis."""
+    distance = lens.object_distance
+    assert distance is not None
 
-    def end(angles: jax.Array) -> tuple[tuple[jax.Array, jax.Array], Ray]:
-        path = _path(lens, angles)
-        return (path.y[-1], path.m[-1] / path.n[-1]), path
+    def launched(angle: jax.Array) -> Ray:
+        zero = jnp.zeros_like(angle)
+        return living(zero, zero, zero - distance, zero, jnp.sin(angle), jnp.cos(angle))
 
-    (y, slope), (y_change, slope_change), path = jax.jvp(end, (angles,), (jnp.ones_like(angles),), has_aux=True)
-    touching = -y_change / slope_change
+    return _traced(lens, launched, angles)
+
+
+def beam(lens: Lens, heights: jax.Array) -> Fan:
+    """Rays parallel to the axis; heights: (N,), mm."""
+
+    def launched(height: jax.Array) -> Ray:
+        zero = jnp.zeros_like(height)
+        return living(zero, height, zero, zero, zero, zero + 1)
+
+    return _traced(lens, launched, heights)
+
+
+def _traced(lens: Lens, launched: Callable[[jax.Array], Ray], places: jax.Array) -> Fan:
+    def end(places: jax.Array) -> tuple[tuple[jax.Array, jax.Array], Ray]:
+        path = trace(lens, rays=launched(places))
+        return (path.y[-1] - path.z[-1] * path.m[-1] / path.n[-1], path.m[-1] / path.n[-1]), path
+
+    (y, slope), (y_rate, slope_rate), path = jax.jvp(end, (places,), (jnp.ones_like(places),), has_aux=True)
+    touching = -y_rate / slope_rate
     on_axis = slope == 0
     crossing = jnp.where(on_axis, touching, -y / jnp.where(on_axis, 1, slope))
-    return Fan(path, crossing, touching, y + slope * touching)
-
-
-def _path(lens: Lens, angles: jax.Array) -> Ray:
-    assert lens.object_distance is not None
-    zero = jnp.zeros_like(angles)
-    start = living(zero, zero, zero - lens.object_distance, zero, jnp.sin(angles), jnp.cos(angles))
-    return trace(lens, rays=start)
+    return Fan(path, slope_rate, crossing, touching, y + slope * touching)

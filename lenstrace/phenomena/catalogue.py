@@ -8,6 +8,10 @@ from typing import Any
 
 # Folder: what the group is called, and the names in it.
 GROUPS = {
+    "lenses": (
+        "What a lens is",
+        ("lensmaker", "ball-lens", "aplanatic-points", "cartesian-oval", "parabola-mirror", "achromat"),
+    ),
     "negative_index": ("Negative index", ("slab",)),
     "screens": (
         "Thin phase screens",

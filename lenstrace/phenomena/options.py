@@ -33,6 +33,7 @@ class Option:
     least, most:    smallest and largest value that is allowed.
     above, below:   values that it must stay clear of on either side.
     not_zero:       0 is refused.
+    infinite:       inf is allowed: a radius of a plane.
     slider:         the range of a slider, where it is not that of the values.
     choices:        the words that are allowed, of an option that is a word.
     """
@@ -44,6 +45,7 @@ class Option:
     above: float = -math.inf
     below: float = math.inf
     not_zero: bool = False
+    infinite: bool = False
     slider: tuple[float, float] | None = None
     choices: tuple[str, ...] = ()
 
@@ -54,7 +56,7 @@ class Option:
         words = [f"{word} {bound:g}{self._unit}" for word, bound in bounds if math.isfinite(bound)]
         words += ["other than 0"] if self.not_zero else []
         words += [f"one of {', '.join(self.choices)}"] if self.choices else []
-        return " and ".join(words)
+        return " and ".join(words) + (" (inf: a plane)" if self.infinite else "")
 
     @property
     def _unit(self) -> str:
@@ -62,10 +64,10 @@ class Option:
 
     def accepts(self, value: Any) -> bool:
         """True for a value in the range."""
-        if self.choices:
-            return value in self.choices
+        if isinstance(value, str):
+            return not self.choices or value in self.choices
         inside = self.least <= value <= self.most and self.above < value < self.below
-        return inside and math.isfinite(value) and not (self.not_zero and value == 0)
+        return inside and not (math.isinf(value) and not self.infinite) and not (self.not_zero and value == 0)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -125,7 +127,9 @@ def _check(argument: Argument, value: Any, where: str) -> None:
     for each in several:
         sound = isinstance(each, needs) and not isinstance(each, bool) and argument.option.accepts(each)
         if not sound:
-            words = argument.option.allowed or ("a whole number" if argument.kind is int else "a finite number")
+            words = argument.option.allowed or (
+                "a whole number" if argument.kind is int else "a word" if argument.kind is str else "a finite number"
+            )
             raise OptionError(f"{where.replace('_', '-')}: {argument.name} must be {words}, got {each!r}")
     if not len(several):
         raise OptionError(f"{where.replace('_', '-')}: {argument.name} needs at least one value, got none")

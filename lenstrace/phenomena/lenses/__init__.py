@@ -1,0 +1,1 @@
+"""Demonstrations of what a lens is: its cardinal points, its focal length, its aberrations and their cures."""
