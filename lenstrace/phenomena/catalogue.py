@@ -8,6 +8,7 @@ from typing import Any
 
 # Folder: what the group is called, and the names in it.
 GROUPS = {
+    "bending": ("Bending on the way", ("mirage", "luneburg", "fish-eye")),
     "lenses": (
         "What a lens is",
         ("lensmaker", "ball-lens", "aplanatic-points", "cartesian-oval", "parabola-mirror", "achromat"),

@@ -116,7 +116,7 @@ def _dispersion(name: str) -> _Dispersion:
 
 
 def _focal_lengths(surfaces: list[tuple[float, str | None]], focal_length: float) -> np.ndarray:
-    """At all wavelengths, of surfaces (curvature, glass behind) without distances: where rays near the axis cross it."""
+    """At all wavelengths, of surfaces (curvature, glass behind) without distances: by rays near the axis."""
     rows = [
         {"curvature": curvature, **({} if name is None else {"glass": name}), **({} if i else {"stop": True})}
         for i, (curvature, name) in enumerate(surfaces)
