@@ -13,6 +13,7 @@ GROUPS = {
         "What a lens is",
         ("lensmaker", "ball-lens", "aplanatic-points", "cartesian-oval", "parabola-mirror", "achromat"),
     ),
+    "lines": ("Straight lines", ("point-in-polygon",)),
     "negative_index": ("Negative index", ("slab",)),
     "screens": (
         "Thin phase screens",
