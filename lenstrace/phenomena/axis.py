@@ -1,7 +1,8 @@
-"""Rays that leave a point of the axis in the meridional plane: where they cross it again, and their caustic."""
+"""Rays of a point of the axis, near or infinitely far, in the meridional plane: where they cross it, their caustic."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import jax
@@ -28,20 +29,27 @@ class Fan(NamedTuple):
 
 def fan(lens: Lens, angles: jax.Array) -> Fan:
     """Rays from the axial object point of a lens; angles: (N,), radians, against the axis."""
+    assert lens.object_distance is not None
+    source = -lens.object_distance
+    return _followed(lens, angles, lambda t: (0 * t, 0 * t + source, jnp.sin(t), jnp.cos(t)))
 
-    def end(angles: jax.Array) -> tuple[tuple[jax.Array, jax.Array], Ray]:
-        path = _path(lens, angles)
+
+def beam(lens: Lens, heights: jax.Array) -> Fan:
+    """Rays parallel to the axis; heights: (N,), mm."""
+    return _followed(lens, heights, lambda y: (y, 0 * y, 0 * y, 0 * y + 1))
+
+
+def _followed(lens: Lens, parameters: jax.Array, start: Callable[[jax.Array], tuple[jax.Array, ...]]) -> Fan:
+    """start: y, z, m and n of a ray by its parameter."""
+
+    def end(parameters: jax.Array) -> tuple[tuple[jax.Array, jax.Array], Ray]:
+        y, z, m, n = start(parameters)
+        path = trace(lens, rays=living(0 * y, y, z, 0 * y, m, n))
         return (path.y[-1], path.m[-1] / path.n[-1]), path
 
-    (y, slope), (y_change, slope_change), path = jax.jvp(end, (angles,), (jnp.ones_like(angles),), has_aux=True)
+    ones = jnp.ones_like(parameters)
+    (y, slope), (y_change, slope_change), path = jax.jvp(end, (parameters,), (ones,), has_aux=True)
     touching = -y_change / slope_change
     on_axis = slope == 0
     crossing = jnp.where(on_axis, touching, -y / jnp.where(on_axis, 1, slope))
     return Fan(path, crossing, touching, y + slope * touching)
-
-
-def _path(lens: Lens, angles: jax.Array) -> Ray:
-    assert lens.object_distance is not None
-    zero = jnp.zeros_like(angles)
-    start = living(zero, zero, zero - lens.object_distance, zero, jnp.sin(angles), jnp.cos(angles))
-    return trace(lens, rays=start)

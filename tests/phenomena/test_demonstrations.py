@@ -45,7 +45,7 @@ def refused(argument: Argument) -> list[object]:
     option = argument.option
     if argument.kind is str:
         return ["no such choice"]
-    values: list[object] = [math.nan, math.inf, "x", True]
+    values: list[object] = [math.nan, -math.inf if option.plane else math.inf, "x", True]
     values += [0.0] if option.not_zero else []
     values += [bound for bound in (option.above, option.below) if math.isfinite(bound)]
     values += [option.least - 1] if math.isfinite(option.least) else []
