@@ -110,3 +110,34 @@ def test_ball_agrees_elsewhere(options: dict[str, float], where: str) -> None:
 def test_ball_refuses(options: dict[str, float], why: str) -> None:
     with pytest.raises(OptionError, match=why):
         phenomena.ball_lens(**options)
+
+
+def test_aplanatic_points_of_a_hemispherical_objective() -> None:
+    # Born & Wolf, section 4.2.3: distances r / n and n r, magnification n^2; n = 1.5, r = 10 mm
+    found = phenomena.aplanatic_points(index=1.5, radius=10.0, angles=(1e-3, 25.0, 56.0))
+    assert found.agrees, found
+    measured = {row.quantity: row.measured for row in found.rows}
+    for angle in ("0.001", "25", "56"):
+        assert measured[f"ray at {angle} deg: its image from the centre"] == pytest.approx(-15.0, rel=1e-12)
+        assert measured[f"ray at {angle} deg: magnification across it"] == pytest.approx(2.25, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"index": 1.2, "surroundings": 1.5, "angles": (38.0,)},
+        {"index": 1.0},
+        {"index": 10.0, "angles": (84.0,), "moved": 1.0},
+        {"moved": 1e-3},
+    ],
+)
+def test_aplanatic_points_agree_elsewhere(options: dict[str, float]) -> None:
+    found = phenomena.aplanatic_points(**{"angles": (10.0, 40.0), **options})
+    assert found.agrees, found
+    np.testing.assert_allclose(found.aberrations, found.aberrations_theory, atol=1e-8)
+    demonstration_figure(found).canvas.draw()
+
+
+def test_aplanatic_points_refuse_what_leaves_the_hemisphere() -> None:
+    with pytest.raises(OptionError, match=r"keep all rays below 56\.31 deg"):
+        phenomena.aplanatic_points(index=1.5, angles=(57.0,))

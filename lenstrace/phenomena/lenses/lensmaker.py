@@ -14,17 +14,13 @@ from __future__ import annotations
 from typing import Annotated
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
-from lenstrace.analysis.layout import Layout
 from lenstrace.errors import OptionError
-from lenstrace.optics.rays import Ray
-from lenstrace.phenomena.axis import beam
 from lenstrace.phenomena.demonstration import Comparison, Demonstration, result
-from lenstrace.phenomena.lenses.drawing import bare, course
+from lenstrace.phenomena.lenses.drawing import course
 from lenstrace.phenomena.lenses.near_axis import Neighbours, cardinal, neighbours
-from lenstrace.phenomena.lenses.singlet import powers, singlet
+from lenstrace.phenomena.lenses.singlet import half_height, outline, powers, singlet
 from lenstrace.phenomena.options import Option, demonstration
 from lenstrace.sequential.lens import Lens
 
@@ -40,14 +36,14 @@ LONG = 12.0  # of the half height of the lens: a focal point farther away is lef
 class Lensmaker(Demonstration):
     """The lens with rays parallel to the axis, and its power with other thicknesses; lengths in mm.
 
-    layout:        the lens.                     rays: (2, 4, N), z and y of their course; see `course`.
+    outline:       (M, 2) of (z, y).             rays: (2, 4, N), z and y of their course; see `course`.
     focus:         z of F' from the first vertex.      shown: z of the left and the right edge of the picture.
     thickness:     of the lens.
     thicknesses, traced, thick, thin:  (T,), and the power n0 / f by the trace, by the formula, and by that of the thin
                                        lens, in 1/m.
     """
 
-    layout: Layout
+    outline: np.ndarray
     rays: np.ndarray
     focus: float
     shown: tuple[float, float]
@@ -80,58 +76,54 @@ def lensmaker(
     back, front = f * (1 - (n - 1) * thickness / (n * radius_1)), -f * (1 + (n - 1) * thickness / (n * radius_2))
     thin = (index - surroundings) * (1 / radius_1 - 1 / radius_2)
 
-    made = singlet(radii, thickness, surroundings, index, surroundings)
-    half = made[1].semi_diameter or 0.0
+    half = half_height(radii, thickness)
     thicknesses = np.linspace(0, 2 * thickness, THICKNESSES)
-    heights = OPEN * half * np.linspace(-1, 1, DRAWN)
-    near, traced, growing, path = jax.device_get(_through(made, thicknesses, heights))
-    parallel, oblique = np.array([near.y[-1], near.slope[-1]]).T
+    around = np.append([0.0, 0.0], OPEN * half * np.linspace(-1, 1, DRAWN))
+    start = np.zeros((2, len(around)))
+    start[[0, 1], [0, 1]] = 1
+    made = singlet(radii, thickness, surroundings, index, surroundings)
+    near = jax.device_get(_through(made, thicknesses, *start, around))
+    # of the lens itself, one of the THICKNESSES
+    own = jax.tree.map(lambda a: a[THICKNESSES // 2], near)
+    parallel, oblique = np.array([own.y[-1], own.slope[-1]])[:, :2].T
     found = cardinal(parallel, oblique, thickness)
+    traced = -surroundings * near.slope[:, -1, 0]
 
     within = ROUNDING * f**2 * parts.noise / surroundings
     along = within * (1 + abs(parts.front) * thickness / index + abs(parts.rear) * thickness / index)
-    between = parts.between / thickness
+    thick = thin + parts.between / thickness * thicknesses
     rows = (
         Comparison("focal length", "mm", found.focal_length, f, within),
         Comparison("back focal length", "mm", found.rear_focus - thickness, back, along + ROUNDING * thickness),
         Comparison("front focal length", "mm", found.front_focus, front, along + ROUNDING * thickness),
         Comparison("power at the thickness 0", "1/m", 1e3 * traced[0], 1e3 * thin, 1e3 * ROUNDING * parts.noise),
         Comparison(
-            "what a millimetre of thickness adds", "1/m", 1e3 * growing, 1e3 * between, 1e3 * ROUNDING * parts.noise
+            "power at twice the thickness", "1/m", 1e3 * traced[-1], 1e3 * thick[-1], 2e3 * ROUNDING * parts.noise
         ),
     )
     focus, far = found.rear_focus, LONG * half
     near_enough = -far < focus < thickness + far
     end = max(1.2 * focus, thickness + half) if near_enough else thickness + far / 2
+    path = jax.tree.map(lambda a: a[:, 2:], own.path)
     rays = course(made, path, 2 * (end - thickness))
     rays[:, :, path.failure[-1] != 0] = np.nan
     return Lensmaker(
         setting=f"a lens of radii {radius_1:g} and {radius_2:g} mm, {thickness:g} mm thick, of index {index:g} in a "
         f"medium of index {surroundings:g}",
         rows=rows,
-        layout=bare(made),
+        outline=outline(radii, thickness),
         rays=rays,
         focus=focus,
         shown=(min(focus if near_enough else 0.0, 0.0) - half, end),
         thickness=thickness,
         thicknesses=thicknesses,
         traced=1e3 * traced,
-        thick=1e3 * (thin + between * thicknesses),
+        thick=1e3 * thick,
         thin=np.full(THICKNESSES, 1e3 * thin),
     )
 
 
 @jax.jit
-def _through(made: Lens, thicknesses: jax.Array, heights: jax.Array) -> tuple[Neighbours, jax.Array, jax.Array, Ray]:
-    """Two rays near the axis, for `cardinal`; the power n0 / f with other thicknesses, 1/mm, and what 1 mm adds to it
-    where it is thin; real rays."""
-
-    def power(thickness: jax.Array) -> jax.Array:
-        other = made.replace(surface=1, thickness=thickness)
-        near = neighbours(other, jnp.ones(1), jnp.zeros(1))
-        return -near.slope[-1, 0] * made.system.index[0, -1]
-
-    zero = jnp.zeros(())
-    _, growing = jax.jvp(power, (zero,), (zero + 1,))
-    near = neighbours(made, jnp.array([1.0, 0.0]), jnp.array([0.0, 1.0]))
-    return near, jax.vmap(power)(thicknesses), growing, beam(made, heights).path
+def _through(made: Lens, thicknesses: jax.Array, *rays: jax.Array) -> Neighbours:
+    """Of the lens with each of the thicknesses; rays: see `neighbours`."""
+    return jax.vmap(lambda thickness: neighbours(made.replace(surface=1, thickness=thickness), *rays))(thicknesses)

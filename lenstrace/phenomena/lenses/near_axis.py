@@ -7,16 +7,18 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax.typing import ArrayLike
 
 from lenstrace.analysis.rays import trace
-from lenstrace.optics.rays import living
+from lenstrace.optics.rays import Ray, living
 from lenstrace.sequential.lens import Lens
 
 
 class Neighbours(NamedTuple):
     """Heights and slopes dy/dz of N rays, (S + 2, N): on the first vertex plane, behind surfaces 1 ... S, and on the
-    image surface; all in one unit as small as one likes."""
+    image surface; all in one unit as small as one likes. path: the rays that they are neighbours of."""
 
+    path: Ray
     y: jax.Array
     slope: jax.Array
 
@@ -39,16 +41,20 @@ class Cardinal(NamedTuple):
     rear_node: float
 
 
-def neighbours(lens: Lens, heights: jax.Array, slopes: jax.Array) -> Neighbours:
-    """Rays through a centred lens; heights, slopes: (N,), on the first vertex plane."""
+def neighbours(lens: Lens, heights: jax.Array, slopes: jax.Array, around: ArrayLike = 0.0) -> Neighbours:
+    """Rays through a centred lens; heights, slopes: (N,), on the first vertex plane.
 
-    def through(y: jax.Array, slope: jax.Array) -> tuple[jax.Array, jax.Array]:
+    around: mm, the height of the ray parallel to the axis that each is infinitely near to; the axis by default.
+    """
+
+    def through(y: jax.Array, slope: jax.Array) -> tuple[tuple[jax.Array, jax.Array], Ray]:
         zero, cosine = jnp.zeros_like(y), 1 / jnp.sqrt(1 + slope * slope)
         path = trace(lens, rays=living(zero, y, zero, zero, slope * cosine, cosine))
-        return path.y, path.m / path.n
+        return (path.y, path.m / path.n), path
 
-    axis = jnp.zeros_like(heights)
-    return Neighbours(*jax.jvp(through, (axis, axis), (heights, slopes))[1])
+    from_axis = jnp.broadcast_to(jnp.asarray(around, heights.dtype), heights.shape)
+    _, changes, path = jax.jvp(through, (from_axis, 0 * heights), (heights, slopes), has_aux=True)
+    return Neighbours(path, *changes)
 
 
 def cardinal(parallel: np.ndarray, oblique: np.ndarray, image: float) -> Cardinal:

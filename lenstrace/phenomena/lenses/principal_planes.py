@@ -159,7 +159,7 @@ def _key_ray(
 
     near: two rays at least, of height 1, and of slope 1.     ends: z where it begins and where it ends.
     """
-    y, leaving = (height * a[:, 0] + slope * a[:, 1] for a in near)
+    y, leaving = (height * a[:, 0] + slope * a[:, 1] for a in (near.y, near.slope))
     bending = [surface.number for surface in drawing.surfaces if surface.bends]
     sizes = np.array([surface.semi_diameter for surface in drawing.surfaces if surface.bends])
     scale = WIDE / max(abs(y[bending]) / sizes)

@@ -5,11 +5,14 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+import numpy as np
+
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.prescription import lens
 
 # How wide it is drawn: of the shorter radius, and of the height at which its surfaces would meet.
 WIDE, FILLED = 0.5, 0.85
+POINTS = 81  # of each surface of the drawing
 
 
 class Powers(NamedTuple):
@@ -40,6 +43,20 @@ def powers(radii: tuple[float, float], thickness: float, before: float, index: f
     return Powers(front, rear, -front * rear * thickness / index)
 
 
+def half_height(radii: tuple[float, float], thickness: float) -> float:
+    """Up to which the lens is drawn, mm."""
+    bulge = 1 / radii[0] - 1 / radii[1]
+    meeting = math.sqrt(2 * thickness / bulge) if bulge > 0 else math.inf
+    return min(WIDE * abs(radii[0]), WIDE * abs(radii[1]), FILLED * meeting)
+
+
+def outline(radii: tuple[float, float], thickness: float) -> np.ndarray:
+    """(N, 2) of (z, y), closed: up the first surface and down the second, mm from the first vertex."""
+    y = half_height(radii, thickness) * np.linspace(-1, 1, POINTS)
+    front, rear = (y * y / radius / (1 + np.sqrt(1 - (y / radius) ** 2)) for radius in radii)
+    return np.column_stack([np.append(front, thickness + rear[::-1]), np.append(y, y[::-1])])
+
+
 def singlet(
     radii: tuple[float, float],
     thickness: float,
@@ -50,9 +67,7 @@ def singlet(
     name: str = "",
 ) -> Lens:
     """As wide as can be drawn; image: distance of the image surface behind it, mm."""
-    bulge = 1 / radii[0] - 1 / radii[1]
-    thin = math.sqrt(2 * thickness / bulge) if bulge > 0 and thickness > 0 else math.inf
-    wide = min(WIDE * abs(radii[0]), WIDE * abs(radii[1]), FILLED * thin)
+    wide = half_height(radii, thickness)
     return lens(
         [
             {"radius": radii[0], "thickness": thickness, "index": index, "stop": True, "semi_diameter": wide},

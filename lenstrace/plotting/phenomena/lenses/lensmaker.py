@@ -6,15 +6,14 @@ from matplotlib.axes import Axes
 
 from lenstrace.phenomena.lenses.lensmaker import Lensmaker
 from lenstrace.plotting.colours import PALETTE
-from lenstrace.plotting.phenomena.lenses.frame import plot_lens
+from lenstrace.plotting.phenomena.lenses.frame import frame, plot_glass
 
 
 def plot_rays(found: Lensmaker, axes: Axes) -> Axes:
     """The lens, real rays and F', in mm; rays that diverge are followed back to it."""
-    plot_lens(found.layout, found.shown, axes)
+    frame(plot_glass(axes, found.outline), found.shown, found.outline[:, 1].max())
     z, y = found.rays
-    axes.plot(z, y, color=PALETTE[0], linewidth=0.8)
-    axes.plot([found.shown[0] + 0 * z[0], z[0]], [y[0], y[0]], color=PALETTE[0], linewidth=0.8)
+    axes.plot([found.shown[0] + 0 * z[0], *z[1:]], y, color=PALETTE[0], linewidth=0.8)
     if found.focus < found.thickness:
         back = y[-2] + (y[-1] - y[-2]) / (z[-1] - z[-2]) * (found.focus - z[-2])
         axes.plot([found.focus + 0 * y[0], z[-2]], [back, y[-2]], color=PALETTE[0], linewidth=0.6, linestyle="--")

@@ -8,7 +8,8 @@ from matplotlib.axes import Axes
 from lenstrace.phenomena.lenses.principal_planes import MAGNIFICATIONS, PrincipalPlanes
 from lenstrace.plotting.cardinal import plot_first_order
 from lenstrace.plotting.colours import PALETTE
-from lenstrace.plotting.phenomena.lenses.frame import plot_lens
+from lenstrace.plotting.layout import plot_layout
+from lenstrace.plotting.phenomena.lenses.frame import frame
 
 NAMES = ("comes in parallel", "goes out parallel")
 LIMIT = 5.4  # of X / f: the largest magnification, and room for its label
@@ -17,11 +18,12 @@ LIMIT = 5.4  # of X / f: the largest magnification, and room for its label
 def plot_planes(found: PrincipalPlanes, axes: Axes) -> Axes:
     """The lens, its points and planes; the key rays, bent in the vertex planes, as rays near the axis are, and (dashed)
     in the principal planes; mm."""
-    plot_lens(found.layout, found.shown, axes)
+    plot_layout(found.layout, axes)
     for ray, construction, colour, name in zip(found.rays, found.constructions, PALETTE, NAMES, strict=False):
         axes.plot(*construction.T, color=colour, linewidth=0.9, linestyle="--")
         axes.plot(*ray.T, color=colour, linewidth=1.3, label=name)
     plot_first_order(found.points, axes, wavelength=found.primary)
+    frame(axes, found.shown, max(surface.semi_diameter for surface in found.layout.surfaces if surface.bends))
     axes.legend(loc="upper left", fontsize="small")
     return axes
 
