@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import NamedTuple
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 
@@ -33,13 +34,18 @@ class Placed(NamedTuple):
 
     def sag(self, height: np.ndarray) -> np.ndarray:
         """Height above the vertex plane, mm, at signed distances from the axis; nan beyond the rim."""
-        return np.asarray(self.shape.sag(jnp.asarray(height), jnp.zeros(len(height))))
+        return np.asarray(_sag(self.shape, np.asarray(height)))
 
     def points(self, height: np.ndarray, z: np.ndarray | None = None) -> np.ndarray:
         """(N, 2) of points at signed heights on the surface, or at z of its frame."""
         x, y = self.meridian[:, None] * height
         local = np.stack([x, y, self.sag(height) if z is None else z])
         return (self.rotation @ local + self.origin[:, None])[:0:-1].T
+
+
+@jax.jit
+def _sag(shape: Asphere, height: jax.Array) -> jax.Array:
+    return shape.sag(height, jnp.zeros_like(height))
 
 
 def drawn_rows(lens: Lens) -> tuple[Row, ...]:

@@ -1,4 +1,4 @@
-"""Rays in the meridional plane, from a point of the axis or parallel to it: where they cross it, and their caustic."""
+"""Rays of a point of the axis, near or infinitely far, in the meridional plane: where they cross it, their caustic."""
 
 from __future__ import annotations
 
@@ -31,33 +31,27 @@ class Fan(NamedTuple):
 
 def fan(lens: Lens, angles: jax.Array) -> Fan:
     """Rays from the axial object point of a lens; angles: (N,), radians, against the axis."""
-    distance = lens.object_distance
-    assert distance is not None
-
-    def launched(angle: jax.Array) -> Ray:
-        zero = jnp.zeros_like(angle)
-        return living(zero, zero, zero - distance, zero, jnp.sin(angle), jnp.cos(angle))
-
-    return _traced(lens, launched, angles)
+    assert lens.object_distance is not None
+    source = -lens.object_distance
+    return _followed(lens, angles, lambda t: (0 * t, 0 * t + source, jnp.sin(t), jnp.cos(t)))
 
 
 def beam(lens: Lens, heights: jax.Array) -> Fan:
     """Rays parallel to the axis; heights: (N,), mm."""
-
-    def launched(height: jax.Array) -> Ray:
-        zero = jnp.zeros_like(height)
-        return living(zero, height, zero, zero, zero, zero + 1)
-
-    return _traced(lens, launched, heights)
+    return _followed(lens, heights, lambda y: (y, 0 * y, 0 * y, 0 * y + 1))
 
 
-def _traced(lens: Lens, launched: Callable[[jax.Array], Ray], places: jax.Array) -> Fan:
-    def end(places: jax.Array) -> tuple[tuple[jax.Array, jax.Array], Ray]:
-        path = trace(lens, rays=launched(places))
-        return (path.y[-1] - path.z[-1] * path.m[-1] / path.n[-1], path.m[-1] / path.n[-1]), path
+def _followed(lens: Lens, parameters: jax.Array, start: Callable[[jax.Array], tuple[jax.Array, ...]]) -> Fan:
+    """start: y, z, m and n of a ray by its parameter."""
 
-    (y, slope), (y_rate, slope_rate), path = jax.jvp(end, (places,), (jnp.ones_like(places),), has_aux=True)
-    touching = -y_rate / slope_rate
+    def end(parameters: jax.Array) -> tuple[tuple[jax.Array, jax.Array], Ray]:
+        y, z, m, n = start(parameters)
+        path = trace(lens, rays=living(0 * y, y, z, 0 * y, m, n))
+        return (path.y[-1], path.m[-1] / path.n[-1]), path
+
+    ones = jnp.ones_like(parameters)
+    (y, slope), (y_change, slope_change), path = jax.jvp(end, (parameters,), (ones,), has_aux=True)
+    touching = -y_change / slope_change
     on_axis = slope == 0
     crossing = jnp.where(on_axis, touching, -y / jnp.where(on_axis, 1, slope))
-    return Fan(path, slope_rate, crossing, touching, y + slope * touching)
+    return Fan(path, crossing, touching, y + slope * touching)

@@ -15,10 +15,7 @@ GROUPS = {
     ),
     "lines": ("Straight lines", ("point-in-polygon",)),
     "negative_index": ("Negative index", ("slab",)),
-    "screens": (
-        "Thin phase screens",
-        ("ideal-lens", "grating", "zernike-screen", "sampled-screen", "deformable-mirror", "point-mass"),
-    ),
+    "lenses": ("What a lens is", ("principal-planes", "lensmaker", "ball-lens", "aplanatic-points")),
 }
 PLACES = {name: group for group, (_, names) in GROUPS.items() for name in names}
 

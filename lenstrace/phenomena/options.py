@@ -33,9 +33,9 @@ class Option:
     least, most:    smallest and largest value that is allowed.
     above, below:   values that it must stay clear of on either side.
     not_zero:       0 is refused.
-    infinite:       inf is allowed: a radius of a plane.
+    plane:          inf is allowed, of a radius: a plane.
     slider:         the range of a slider, where it is not that of the values.
-    choices:        the words that are allowed, of an option that is a word.
+    choices:        the words that are allowed, of an option that is a word; any word where none are given.
     """
 
     meaning: str
@@ -45,7 +45,7 @@ class Option:
     above: float = -math.inf
     below: float = math.inf
     not_zero: bool = False
-    infinite: bool = False
+    plane: bool = False
     slider: tuple[float, float] | None = None
     choices: tuple[str, ...] = ()
 
@@ -56,7 +56,7 @@ class Option:
         words = [f"{word} {bound:g}{self._unit}" for word, bound in bounds if math.isfinite(bound)]
         words += ["other than 0"] if self.not_zero else []
         words += [f"one of {', '.join(self.choices)}"] if self.choices else []
-        return " and ".join(words) + (" (inf: a plane)" if self.infinite else "")
+        return " and ".join(words) + (" (inf for a plane)" if self.plane else "")
 
     @property
     def _unit(self) -> str:
@@ -66,6 +66,8 @@ class Option:
         """True for a value in the range."""
         if isinstance(value, str):
             return not self.choices or value in self.choices
+        if self.plane and value == math.inf:
+            return True
         inside = self.least <= value <= self.most and self.above < value < self.below
         return inside and not (math.isinf(value) and not self.infinite) and not (self.not_zero and value == 0)
 

@@ -1,1 +1,1 @@
-"""Demonstrations of what a lens is: its cardinal points, its focal length, its aberrations and their cures."""
+"""Demonstrations of what a lens is: its planes and its power, and the surfaces that image a point perfectly."""

@@ -1,44 +1,50 @@
-"""The aplanatic points of a sphere: a point inside is imaged without spherical aberration at any aperture.
+"""The aplanatic points of a sphere: one point inside is imaged by all rays into one point, and what is beside it too.
 
-A sphere of radius R and index n (over that around it) sends every ray from a point at R / n from its centre on as if it
-came from n R, on the same side. With U the angle of a ray inside and U' outside,
+A ray leaves a point inside the sphere, the distance a from its centre, at the angle U to the axis, meets the surface at
+the angle i and goes on at i', as if it came from the distance b behind the centre at the angle U':
 
-    sin U' = sin U / n,      so that the sine condition holds with the magnification n sin U / sin U' = n^2.
+    sin i = (a / R) sin U,      sin i' = n sin i,      U' = U + i - i',      b = R sin i' / sin U'.
 
-Two more points have no spherical aberration: the centre, and the vertex itself.
-Source: Born & Wolf, Principles of Optics (7th ed.), section 4.2.3.
+With a = R / n, where n is the index inside against that outside, i' = U and b = n R for every U; sin U / sin U' = n is
+the same for every ray, so that the image of what stands beside the point is sharp as well, and n^2 times as large; and
+the optical path from the point to its image is 0.
+Source: Born & Wolf, Principles of Optics, sections 4.2.3 and 4.5.1.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Annotated
+from typing import Annotated, Any, NamedTuple
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 
+from lenstrace.analysis.rays import trace
 from lenstrace.errors import OptionError
-from lenstrace.phenomena.axis import Fan, fan
+from lenstrace.optics.rays import Ray, living
 from lenstrace.phenomena.demonstration import Comparison, Demonstration, result
 from lenstrace.phenomena.options import Option, demonstration
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.prescription import lens
 
-RAYS = 21  # drawn, one of them on the axis
-PLACES = np.linspace(0.02, 2.2, 110)  # of the source, from the vertex, in units of the radius, for the plot
-STEEP = 0.3  # of the largest sine that leaves the ball from everywhere: the ray of that plot
-PERFECT = 1e-12  # of the radius
+AGREEMENT = (
+    1e-12  # of the distances that are added up along a ray; times n^2, for sin U' is n times less than its parts
+)
+RAYS, CURVE = 13, 40  # drawn; on each curve of the aberrations
+HALF_WAY = 0.5  # of the way from the point that is moved to the aplanatic one: the third curve
 
 
 @result
 class AplanaticPoints(Demonstration):
-    """Rays from inside a sphere; mm, z from its centre, the vertex toward +z.
+    """Rays from the aplanatic point, and the aberrations of points beside it; lengths in mm, z from the centre.
 
-    radius; source, image: z of the point and of its image.
-    ray_z, ray_y:     (3, N): source, surface, end of the picture.
-    places:           (K,), of sources, z.        aberration: (K,), distance of the axis crossings of a steep ray and of
-                      rays near the axis, mm.
-    perfect:          (3,), the places without any.
+    radius:          of the sphere.
+    source, image:   z of the aplanatic point and of its image.
+    ray_z, ray_y:    (2, N), of rays from the point to the surface.        slopes:  (N,), behind it.
+    angles:          (C,), at which rays leave their point, degrees.
+    sources:         (3,), of points between the one that is moved and the aplanatic one: z.
+    aberrations, aberrations_theory:  (3, C), where their rays cross the axis, against those near the axis.
     """
 
     radius: float
@@ -46,71 +52,132 @@ class AplanaticPoints(Demonstration):
     image: float
     ray_z: np.ndarray
     ray_y: np.ndarray
-    places: np.ndarray
-    aberration: np.ndarray
-    perfect: np.ndarray
+    slopes: np.ndarray
+    angles: np.ndarray
+    sources: np.ndarray
+    aberrations: np.ndarray
+    aberrations_theory: np.ndarray
+
+
+class _Traced(NamedTuple):
+    """Rays behind the sphere, and how they move with their source: by a millimetre up (y) or aside (x)."""
+
+    path: Ray
+    y: jax.Array
+    y_slope: jax.Array
+    x: jax.Array
+    x_slope: jax.Array
 
 
 @demonstration
 def aplanatic_points(
-    radius: Annotated[float, Option("radius of the sphere", "mm", above=0, most=1e6, slider=(1, 20))] = 10.0,
-    index: Annotated[float, Option("refractive index, over that outside", above=1, most=10, slider=(1.2, 2.5))] = 1.5,
-    angle: Annotated[float, Option("steepest ray inside", "deg", above=0, below=90, slider=(5, 55))] = 50.0,
+    index: Annotated[float, Option("refractive index of the sphere", least=1, most=10, slider=(1.2, 2.5))] = 1.5168,
+    radius: Annotated[float, Option("radius of the sphere", "mm", above=0, slider=(1, 20))] = 10.0,
+    surroundings: Annotated[float, Option("refractive index around it", least=1, most=10, slider=(1, 1.4))] = 1.0,
+    angles: Annotated[tuple[float, ...], Option("rays in the table, against the axis", "deg", above=0, below=90)] = (
+        *(10.0, 30.0, 50.0),
+    ),
+    moved: Annotated[
+        float, Option("distance of the moved point from the centre, in units of the aplanatic one", above=0, most=1)
+    ] = 0.8,
 ) -> AplanaticPoints:
-    """Aplanatic points of a sphere: imaged perfectly at every angle."""
-    limit = math.degrees(math.atan(index))
-    if angle >= limit:
+    """The aplanatic points of a sphere: an image without spherical aberration or coma.
+
+    OptionError where a ray leaves through the half of the sphere that the point is in.
+    """
+    n, t = index / surroundings, np.radians(angles)
+    if math.tan(t.max()) >= n:
         raise OptionError(
-            f"aplanatic-points: a ray at {angle:g} deg leaves through the other half of the sphere; keep angle below "
-            f"{limit:.4g} deg at this index"
+            f"aplanatic-points: the ray at {max(angles):g} deg leaves through the half of the sphere that the point is "
+            f"in; keep all rays below {math.degrees(math.atan(n)):.4g} deg"
         )
-    ball = lens(
-        [{"radius": -radius, "stop": True}],
-        {"entrance_pupil_diameter": radius},
+    sphere = lens(
+        [{"radius": -radius, "index": surroundings, "stop": True}],
+        {"object_na": index * math.sin(t.max())},
         [0.0],
         [0.5876],
-        object_distance=radius * (1 + 1 / index),
         object_index=index,
+        object_distance=radius * (1 + 1 / n),
     )
-    inside = np.radians(angle) * np.linspace(-1, 1, RAYS)
-    steep = np.array([0.0, math.asin(STEEP / index)])
-    rays, others = jax.device_get(_from_inside(ball, inside, radius * PLACES, steep))
-    # from the centre, which is a radius before the vertex
-    source, image, crossings = -radius / index, -radius * index, rays.crossing + radius
-    outside = rays.path.m[-1]
-    points = rays.path.z[1] + radius, rays.path.y[1]
-    end, slope = 1.5 * radius, outside / rays.path.n[-1]
-    sides = RAYS // 2, RAYS - RAYS // 4, RAYS - 1
-    rows = [
-        Comparison(
-            f"ray at {np.degrees(inside[i]):.4g} deg: comes from", "mm", crossings[i], image, PERFECT * radius * index
-        )
-        for i in sides
-    ]
-    rows.append(Comparison("sine of the steepest ray outside", "", outside[-1], math.sin(inside[-1]) / index))
+    shares = np.array([moved, moved + HALF_WAY * (1 - moved), 1.0])
+    curve, drawn = np.linspace(0, t.max(), CURVE + 1)[1:], np.linspace(-1, 1, RAYS) * t.max()
+    starts = np.concatenate([t, drawn, np.tile(curve, 3)])
+    distances = radius / n * np.append(np.ones(len(t) + RAYS), np.repeat(shares, CURVE))
+    every = jax.device_get(_through(sphere, distances, starts, radius))
+    table, picture, rest = (
+        jax.tree.map(lambda a, part=part: a[..., part], every)
+        for part in (slice(len(t)), slice(len(t), len(t) + RAYS), slice(len(t) + RAYS, None))
+    )
+
+    image, share = n * radius, AGREEMENT * (1 + n * n)
+    scale = share * (1 + n) * radius
+    crossing = _crossing(table.path, radius)
+    sines = np.sin(t) / table.path.m[-1]
+    # from the image surface, which stands at the vertex, to the image
+    back = -radius - image
+    tall, wide = table.y + table.y_slope * back, table.x + table.x_slope * back
+    away = np.hypot(table.path.z[1] - back, table.path.y[1])
+    path = table.path.opl[1] - surroundings * away
+    rows = []
+    for i, angle in enumerate(angles):
+        at = f"ray at {angle:.4g} deg"
+        rows += [
+            Comparison(f"{at}: its image from the centre", "mm", crossing[i], -image, scale),
+            Comparison(f"{at}: sine condition, sin U / sin U'", "", sines[i], n, share * n),
+            Comparison(f"{at}: magnification in the plane of the ray", "", tall[i], n * n, share * n * n),
+            Comparison(f"{at}: magnification across it", "", wide[i], n * n, share * n * n),
+            Comparison(f"{at}: optical path to the image", "mm", path[i], 0.0, index * scale),
+        ]
+    behind = _crossing(rest.path, radius).reshape(3, CURVE)
+    theory = np.array([_behind(n, radius, share * radius / n, curve) for share in shares])
     rows.append(
-        Comparison("magnification, by the slopes near the axis", "", index / rays.slope_rate[RAYS // 2], index**2)
+        Comparison(
+            f"point moved to {moved:g} of the distance: ray at {max(angles):.4g} deg",
+            *("mm", behind[0, -1], theory[0, -1], scale),
+        )
     )
+    near = -np.array([image * share / (1 + (1 - n) * share / n) / n for share in shares])[:, None]
     return AplanaticPoints(
-        setting=f"a point {-source:.6g} mm from the centre of a sphere of radius {radius:g} mm, index {index:g}, "
-        f"rays up to {angle:g} deg",
+        setting=f"a sphere of radius {radius:g} mm and index {index:g} in a medium of index {surroundings:g}; a point "
+        f"inside, {radius / n:.6g} mm from the centre; z from the centre",
         rows=tuple(rows),
         radius=radius,
-        source=source,
-        image=image,
-        ray_z=np.array([np.full(RAYS, source), points[0], np.full(RAYS, end)]),
-        ray_y=np.array([np.zeros(RAYS), points[1], points[1] + slope * (end - points[0])]),
-        places=radius * (1 - PLACES),
-        aberration=others[:, 1] - others[:, 0],
-        perfect=radius * np.array([1.0, 0.0, -1 / index]),
+        source=-radius / n,
+        image=-image,
+        ray_z=picture.path.z[:2] + radius,
+        ray_y=picture.path.y[:2],
+        slopes=picture.path.m[-1] / picture.path.n[-1],
+        angles=np.degrees(curve),
+        sources=-radius / n * shares,
+        aberrations=behind - near,
+        aberrations_theory=theory - near,
     )
 
 
 @jax.jit
-def _from_inside(ball: Lens, angles: jax.Array, distances: jax.Array, steep: jax.Array) -> tuple[Fan, jax.Array]:
-    """The rays from the aplanatic point, and (K, 2) the axis crossings of two rays from other points of the axis."""
+def _through(sphere: Lens, distances: jax.Array, angles: jax.Array, radius: jax.Array) -> _Traced:
+    """Rays from points on the axis, whose distances from the centre are given, mm, at the angles."""
 
-    def crossings(distance: jax.Array) -> jax.Array:
-        return fan(ball.replace(object_distance=distance), steep).crossing
+    def end(x: jax.Array, y: jax.Array) -> tuple[tuple[jax.Array, ...], Ray]:
+        z = -radius - jnp.tile(distances, 2)
+        start = living(x, y, z, 0 * x, jnp.sin(jnp.tile(angles, 2)), jnp.cos(jnp.tile(angles, 2)))
+        path = trace(sphere, rays=start)
+        return (path.y[-1], path.m[-1] / path.n[-1], path.x[-1], path.l[-1] / path.n[-1]), path
 
-    return fan(ball, angles), jax.vmap(crossings)(distances)
+    up = jnp.repeat(jnp.array([1.0, 0.0]), len(angles))
+    _, changes, path = jax.jvp(end, (0 * up, 0 * up), (1 - up, up), has_aux=True)
+    y, y_slope, x, x_slope = (change.reshape(2, -1) for change in changes)
+    return _Traced(jax.tree.map(lambda a: a[:, : len(angles)], path), y[0], y_slope[0], x[1], x_slope[1])
+
+
+def _crossing(path: Any, radius: float) -> np.ndarray:
+    """Where rays behind the surface cross the axis, mm from the centre; nan for a ray that has no course."""
+    crossing = radius + path.z[1] - path.y[1] * path.n[1] / path.m[1]
+    return np.where(path.failure[-1] == 0, crossing, np.nan)
+
+
+def _behind(n: float, radius: float, distance: float, t: np.ndarray) -> np.ndarray:
+    """-b, see the docstring of this file."""
+    inside = np.arcsin(distance / radius * np.sin(t))
+    outside = np.arcsin(n * distance / radius * np.sin(t))
+    return -radius * np.sin(outside) / np.sin(t + inside - outside)

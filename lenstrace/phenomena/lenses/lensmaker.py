@@ -1,120 +1,129 @@
-"""The lensmaker's equation: the focal length of a lens from its radii, its thickness and its index.
+"""The lensmaker's formula: the power of a lens out of its radii, its thickness and its index.
 
-With N the index of the glass over that of what is around it,
+With m = n / n0, the index of the lens against that around it,
 
-    1 / f' = (N - 1) (1 / R1 - 1 / R2 + (N - 1) d / (N R1 R2)),      BFL = f' (1 - (N - 1) d / (N R1)),
+    1/f = (m - 1) (1/R1 - 1/R2 + (m - 1) d / (m R1 R2)),
+    BFL = f (1 - (m - 1) d / (m R1)),      FFL = -f (1 + (m - 1) d / (m R2)),
 
-and, counted from the last vertex, H' at BFL - f'. Without thickness only the first two terms are left.
-Source: Born & Wolf, Principles of Optics (7th ed.), section 4.4.
+from the last vertex and from the first one. Without the term in d it is the formula of the thin lens.
+Source: Born & Wolf, Principles of Optics, section 4.4.3; Hecht, Optics, section 6.1.
 """
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
-from lenstrace.analysis.layout import Layout, layout
 from lenstrace.errors import OptionError
-from lenstrace.phenomena.axis import beam
 from lenstrace.phenomena.demonstration import Comparison, Demonstration, result
+from lenstrace.phenomena.lenses.drawing import course
+from lenstrace.phenomena.lenses.near_axis import Neighbours, cardinal, neighbours
+from lenstrace.phenomena.lenses.singlet import half_height, outline, powers, singlet
 from lenstrace.phenomena.options import Option, demonstration
 from lenstrace.sequential.lens import Lens
-from lenstrace.sequential.prescription import lens
 
-SHARES = np.linspace(0, 3, 31)  # of the thickness, for the plot
-AFOCAL = 1e-9  # of the larger of its parts: a smaller power is none
-BEAM = 0.25  # of the smaller radius: the half width of the drawn beam
-FLATTEST = 1e4  # mm: the radius of a plane, when the beam is chosen
-FARTHEST = 12.0  # widths of the beam: where a distant focus is no longer drawn
-NEAR = 1e-12  # of the focal length: rounding of what is measured from a vertex
+NO_POWER = 1e-9  # of the powers of its parts: of a lens that has less, rounding leaves nothing
+ROUNDING = 1e-12  # of the powers of its parts: what rounding may make of their sum
+DRAWN = 9  # rays
+THICKNESSES = 13  # in the picture, from 0 to twice that of the lens
+OPEN = 0.8  # of the lens, for the rays
+LONG = 12.0  # of the half height of the lens: a focal point farther away is left out of the picture
 
 
 @result
 class Lensmaker(Demonstration):
-    """A lens and its focal length against thickness; mm.
+    """The lens with rays parallel to the axis, and its power with other thicknesses; lengths in mm.
 
-    drawing:        of the lens with a beam, up to its focal plane.
-    thicknesses:    (K,).      focal_lengths, theory: (K,), traced and by the equation.
-    thin:           the focal length without thickness.
+    outline:       (M, 2) of (z, y).             rays: (2, 4, N), z and y of their course; see `course`.
+    focus:         z of F' from the first vertex.      shown: z of the left and the right edge of the picture.
+    thickness:     of the lens.
+    thicknesses, traced, thick, thin:  (T,), and the power n0 / f by the trace, by the formula, and by that of the thin
+                                       lens, in 1/m.
     """
 
-    drawing: Layout
+    outline: np.ndarray
+    rays: np.ndarray
+    focus: float
+    shown: tuple[float, float]
+    thickness: float
     thicknesses: np.ndarray
-    focal_lengths: np.ndarray
-    theory: np.ndarray
-    thin: float
+    traced: np.ndarray
+    thick: np.ndarray
+    thin: np.ndarray
 
 
 @demonstration
 def lensmaker(
-    radius_front: Annotated[float, Option("radius of the first surface", "mm", not_zero=True, infinite=True)] = 60.0,
-    radius_back: Annotated[float, Option("radius of the second surface", "mm", not_zero=True, infinite=True)] = -90.0,
-    thickness: Annotated[float, Option("thickness", "mm", above=0, most=1e4, slider=(0.5, 40))] = 12.0,
-    index: Annotated[float, Option("refractive index of the lens", above=0, most=10, slider=(1.3, 2))] = 1.5168,
-    surroundings: Annotated[float, Option("index around it", above=0, most=10, slider=(1, 1.6))] = 1.0,
+    radius_1: Annotated[float, Option("radius of the first surface", "mm", not_zero=True, plane=True)] = 50.0,
+    radius_2: Annotated[float, Option("radius of the second surface", "mm", not_zero=True, plane=True)] = -50.0,
+    thickness: Annotated[float, Option("thickness", "mm", above=0, slider=(0.5, 40))] = 12.0,
+    index: Annotated[float, Option("refractive index of the lens", above=0, slider=(1.3, 2.5))] = 1.5168,
+    surroundings: Annotated[float, Option("refractive index around the lens", above=0, slider=(1, 2))] = 1.0,
 ) -> Lensmaker:
-    """The lensmaker's equation, thick and thin, against rays near the axis.
+    """The lensmaker's formula: the focal length of a lens from its radii.
 
     OptionError for a lens without power.
     """
-    ratio = index / surroundings
-    front, back = 1 / radius_front, 1 / radius_back
-
-    def power(thickness: Any) -> Any:
-        return (ratio - 1) * (front - back + (ratio - 1) * thickness * front * back / ratio)
-
-    whole, parts = power(thickness), abs(ratio - 1) * max(abs(front), abs(back))
-    if abs(whole) <= AFOCAL * parts or whole == 0:
+    radii, n = (radius_1, radius_2), index / surroundings
+    parts = powers(radii, thickness, surroundings, index, surroundings)
+    if abs(parts.total) <= NO_POWER * parts.noise:
         raise OptionError(
-            "lensmaker: a lens of these radii and indices has no power, and so no focal length; change one of them"
+            "lensmaker: this lens has no power; give it another index than its surroundings, or other radii"
         )
-    glass = lens(
-        [
-            {"radius": radius_front, "thickness": thickness, "index": index, "stop": True},
-            {"radius": radius_back, "index": surroundings},
-        ],
-        {"entrance_pupil_diameter": 2 * BEAM * min(abs(radius_front), abs(radius_back), FLATTEST)},
-        [0.0],
-        [0.5876],
-        object_index=surroundings,
+    f = 1 / ((n - 1) * (1 / radius_1 - 1 / radius_2 + (n - 1) * thickness / (n * radius_1 * radius_2)))
+    back, front = f * (1 - (n - 1) * thickness / (n * radius_1)), -f * (1 + (n - 1) * thickness / (n * radius_2))
+    thin = (index - surroundings) * (1 / radius_1 - 1 / radius_2)
+
+    half = half_height(radii, thickness)
+    thicknesses = np.linspace(0, 2 * thickness, THICKNESSES)
+    around = np.append([0.0, 0.0], OPEN * half * np.linspace(-1, 1, DRAWN))
+    start = np.zeros((2, len(around)))
+    start[[0, 1], [0, 1]] = 1
+    made = singlet(radii, thickness, surroundings, index, surroundings)
+    near = jax.device_get(_through(made, thicknesses, *start, around))
+    # of the lens itself, one of the THICKNESSES
+    own = jax.tree.map(lambda a: a[THICKNESSES // 2], near)
+    parallel, oblique = np.array([own.y[-1], own.slope[-1]])[:, :2].T
+    found = cardinal(parallel, oblique, thickness)
+    traced = -surroundings * near.slope[:, -1, 0]
+
+    within = ROUNDING * f**2 * parts.noise / surroundings
+    along = within * (1 + abs(parts.front) * thickness / index + abs(parts.rear) * thickness / index)
+    thick = thin + parts.between / thickness * thicknesses
+    rows = (
+        Comparison("focal length", "mm", found.focal_length, f, within),
+        Comparison("back focal length", "mm", found.rear_focus - thickness, back, along + ROUNDING * thickness),
+        Comparison("front focal length", "mm", found.front_focus, front, along + ROUNDING * thickness),
+        Comparison("power at the thickness 0", "1/m", 1e3 * traced[0], 1e3 * thin, 1e3 * ROUNDING * parts.noise),
+        Comparison(
+            "power at twice the thickness", "1/m", 1e3 * traced[-1], 1e3 * thick[-1], 2e3 * ROUNDING * parts.noise
+        ),
     )
-    thicknesses = thickness * SHARES
-    focal, rear = jax.device_get(_focal(glass, np.append(thicknesses, [0.0, thickness])))
-    expected = 1 / whole
-    focus = expected * (1 - (ratio - 1) * thickness * front / ratio)
-    with np.errstate(divide="ignore"):
-        theory = 1 / np.asarray(power(thicknesses))
-    thin = 1 / power(0.0) if power(0.0) else np.inf
-    rows = [
-        Comparison("focal length", "mm", focal[-1], expected),
-        Comparison("back focal length", "mm", rear[-1], focus, NEAR * abs(expected)),
-        Comparison("last vertex to H'", "mm", rear[-1] - focal[-1], focus - expected, NEAR * abs(expected)),
-    ]
-    if np.isfinite(thin):
-        rows.append(Comparison("focal length without thickness", "mm", focal[-2], thin))
-    found = focus if focus > 0 else 0.0
-    drawn = glass.replace(surface=2, thickness=float(np.clip(found, 0, FARTHEST * glass.aperture.value)))
+    focus, far = found.rear_focus, LONG * half
+    near_enough = -far < focus < thickness + far
+    end = max(1.2 * focus, thickness + half) if near_enough else thickness + far / 2
+    path = jax.tree.map(lambda a: a[:, 2:], own.path)
+    rays = course(made, path, 2 * (end - thickness))
+    rays[:, :, path.failure[-1] != 0] = np.nan
     return Lensmaker(
-        setting=f"a lens of radii {radius_front:g} and {radius_back:g} mm, {thickness:g} mm thick, index {index:g} in "
-        f"{surroundings:g}",
-        rows=tuple(rows),
-        drawing=layout(drawn, rays_per_field=7),
+        setting=f"a lens of radii {radius_1:g} and {radius_2:g} mm, {thickness:g} mm thick, of index {index:g} in a "
+        f"medium of index {surroundings:g}",
+        rows=rows,
+        outline=outline(radii, thickness),
+        rays=rays,
+        focus=focus,
+        shown=(min(focus if near_enough else 0.0, 0.0) - half, end),
+        thickness=thickness,
         thicknesses=thicknesses,
-        focal_lengths=focal[:-2],
-        theory=theory,
-        thin=thin,
+        traced=1e3 * traced,
+        thick=1e3 * thick,
+        thin=np.full(THICKNESSES, 1e3 * thin),
     )
 
 
 @jax.jit
-def _focal(glass: Lens, thicknesses: jax.Array) -> tuple[jax.Array, jax.Array]:
-    """Focal lengths, and F' from the last vertex, of the lens in several thicknesses: by rays near the axis."""
-
-    def near(thickness: jax.Array) -> tuple[jax.Array, jax.Array]:
-        rays = beam(glass.replace(surface=1, thickness=thickness), jnp.zeros(1))
-        return -1 / rays.slope_rate[0], rays.crossing[0]
-
-    return jax.vmap(near)(thicknesses)
+def _through(made: Lens, thicknesses: jax.Array, *rays: jax.Array) -> Neighbours:
+    """Of the lens with each of the thicknesses; rays: see `neighbours`."""
+    return jax.vmap(lambda thickness: neighbours(made.replace(surface=1, thickness=thickness), *rays))(thicknesses)

@@ -1,1 +1,1 @@
-"""Pictures of the demonstrations of lenses."""
+"""Pictures of the demonstrations of what a lens is."""
