@@ -14,16 +14,14 @@ from lenstrace.sequential.lens import Lens
 
 
 class Fan(NamedTuple):
-    """Rays, (N,), behind a lens; mm, z from the image surface.
+    """Rays of one point of the axis, (N,), behind a lens; mm, z from the image surface.
 
     path:       at every surface, see `trace`.
-    slope_rate: how the slope dy/dz behind the lens changes with what tells the rays apart.
     crossing:   z where each crosses the axis; on the axis itself the limit of its neighbours.
     caustic_z, caustic_y:  where each touches its neighbours in the plane.
     """
 
     path: Ray
-    slope_rate: jax.Array
     crossing: jax.Array
     caustic_z: jax.Array
     caustic_y: jax.Array

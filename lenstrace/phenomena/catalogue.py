@@ -8,14 +8,20 @@ from typing import Any
 
 # Folder: what the group is called, and the names in it.
 GROUPS = {
-    "bending": ("Bending on the way", ("mirage", "luneburg", "fish-eye")),
     "lenses": (
         "What a lens is",
-        ("lensmaker", "ball-lens", "aplanatic-points", "cartesian-oval", "parabola-mirror", "achromat"),
+        (
+            *("principal-planes", "lensmaker", "ball-lens", "aplanatic-points", "cartesian-oval", "parabola-mirror"),
+            "achromat",
+        ),
+    ),
+    "negative_index": ("Negative index", ("slab",)),
+    "bending": ("Bending at a surface, and on the way", ("mirage", "luneburg", "fish-eye")),
+    "screens": (
+        "Thin phase screens",
+        ("ideal-lens", "grating", "zernike-screen", "sampled-screen", "deformable-mirror", "point-mass"),
     ),
     "lines": ("Straight lines", ("point-in-polygon",)),
-    "negative_index": ("Negative index", ("slab",)),
-    "lenses": ("What a lens is", ("principal-planes", "lensmaker", "ball-lens", "aplanatic-points")),
 }
 PLACES = {name: group for group, (_, names) in GROUPS.items() for name in names}
 

@@ -69,7 +69,7 @@ class Option:
         if self.plane and value == math.inf:
             return True
         inside = self.least <= value <= self.most and self.above < value < self.below
-        return inside and not (math.isinf(value) and not self.infinite) and not (self.not_zero and value == 0)
+        return inside and math.isfinite(value) and not (self.not_zero and value == 0)
 
 
 @dataclasses.dataclass(frozen=True)

@@ -44,7 +44,7 @@ def refused(argument: Argument) -> list[object]:
     """Values that an option does not accept: not a number, and just beyond its bounds."""
     option = argument.option
     if argument.kind is str:
-        return ["no such choice"]
+        return ["no such choice"] if option.choices else [3.0]
     values: list[object] = [math.nan, -math.inf if option.plane else math.inf, "x", True]
     values += [0.0] if option.not_zero else []
     values += [bound for bound in (option.above, option.below) if math.isfinite(bound)]
