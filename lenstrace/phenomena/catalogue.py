@@ -15,8 +15,8 @@ GROUPS = {
             "achromat",
         ),
     ),
-    "negative_index": ("Negative index", ("slab",)),
-    "bending": ("Bending at a surface, and on the way", ("mirage", "luneburg", "fish-eye")),
+    "negative_index": ("Negative index", ("slab", "negative-prism", "negative-lens", "negative-waves")),
+    "bending": ("Bending at a surface, and on the way", ("snell", "rainbow", "mirage", "luneburg", "fish-eye")),
     "screens": (
         "Thin phase screens",
         ("ideal-lens", "grating", "zernike-screen", "sampled-screen", "deformable-mirror", "point-mass"),
