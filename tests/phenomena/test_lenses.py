@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from lenstrace import OptionError, load, phenomena
+from lenstrace.phenomena.lenses.cartesian_oval import oval_series
 from lenstrace.plotting.demonstration import demonstration_figure
 
 
@@ -141,3 +142,37 @@ def test_aplanatic_points_agree_elsewhere(options: dict[str, float]) -> None:
 def test_aplanatic_points_refuse_what_leaves_the_hemisphere() -> None:
     with pytest.raises(OptionError, match=r"keep all rays below 56\.31 deg"):
         phenomena.aplanatic_points(index=1.5, angles=(57.0,))
+
+
+def test_cartesian_oval_is_the_one_of_the_design() -> None:
+    # designs/cartesian_oval.toml, its series solved in 120 digits
+    series = oval_series(100.0, 150.0, 1.5, 10)
+    published = [0.02, -1.0277777777777778e-6, 7.325617283950617e-10, -2.2907771776406036e-13, 1.1774711481672001e-16]
+    np.testing.assert_allclose(series[1:6], published, rtol=1e-13)
+    assert series[10] == pytest.approx(-4.312555369564453e-33, rel=1e-12)
+    found = phenomena.cartesian_oval(aperture=0.1)
+    assert found.agrees
+    assert np.nanmax(abs(found.misses)) < 1e-13 * 250
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"index": 2.5, "source": 20.0, "image": 60.0, "aperture": 0.25},
+        {"index": 1.1, "aperture": 0.01},
+        {"index": 5.0, "source": 1.0, "image": 1e4},
+        {"aperture": 1e-9},
+    ],
+)
+def test_cartesian_oval_agrees_elsewhere(options: dict[str, float]) -> None:
+    found = phenomena.cartesian_oval(**options)
+    assert found.agrees, found
+    demonstration_figure(found).canvas.draw()
+
+
+@pytest.mark.parametrize(
+    "options", [{"aperture": 0.3}, {"aperture": 0.99}, {"index": 1.1, "source": 1e4, "image": 50.0}]
+)
+def test_cartesian_oval_has_an_end(options: dict[str, float]) -> None:
+    with pytest.raises(OptionError, match="lower aperture"):
+        phenomena.cartesian_oval(**options)
