@@ -9,7 +9,10 @@ from typing import Any
 # Folder: what the group is called, and the names in it.
 GROUPS = {
     "negative_index": ("Negative index", ("slab",)),
-    "lenses": ("What a lens is", ("principal-planes", "lensmaker", "ball-lens", "aplanatic-points", "cartesian-oval")),
+    "lenses": (
+        "What a lens is",
+        ("principal-planes", "lensmaker", "ball-lens", "aplanatic-points", "cartesian-oval", "parabola-mirror"),
+    ),
 }
 PLACES = {name: group for group, (_, names) in GROUPS.items() for name in names}
 

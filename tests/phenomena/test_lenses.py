@@ -176,3 +176,20 @@ def test_cartesian_oval_agrees_elsewhere(options: dict[str, float]) -> None:
 def test_cartesian_oval_has_an_end(options: dict[str, float]) -> None:
     with pytest.raises(OptionError, match="lower aperture"):
         phenomena.cartesian_oval(**options)
+
+
+def test_mirrors_have_the_crossings_of_the_closed_form() -> None:
+    # R = 200 mm, i = 30 deg: R - R / (2 cos 30) = 84.5299461621 mm from the vertex
+    found = phenomena.parabola_mirror(focal_length=100.0, heights=(1.0,))
+    assert found.rows[0].measured == pytest.approx(100.0, rel=1e-14)
+    assert found.rows[1].measured == pytest.approx(84.5299461621, rel=1e-12)
+    slopes = np.diff(np.log(found.largest[1])) / np.diff(np.log(found.apertures))
+    assert slopes[0] == pytest.approx(3.0, abs=1e-3)
+    assert (found.largest[0] < 1e-13).all()
+
+
+@pytest.mark.parametrize("aperture", [1e-3, 0.05, 1.3])
+@pytest.mark.parametrize("focal_length", [1e-3, 1e6])
+def test_mirrors_agree_elsewhere(focal_length: float, aperture: float) -> None:
+    found = phenomena.parabola_mirror(focal_length=focal_length, aperture=aperture, heights=(1e-3, aperture))
+    assert found.agrees, found
