@@ -11,7 +11,15 @@ GROUPS = {
     "negative_index": ("Negative index", ("slab",)),
     "lenses": (
         "What a lens is",
-        ("principal-planes", "lensmaker", "ball-lens", "aplanatic-points", "cartesian-oval", "parabola-mirror"),
+        (
+            "principal-planes",
+            "lensmaker",
+            "ball-lens",
+            "aplanatic-points",
+            "cartesian-oval",
+            "parabola-mirror",
+            "achromat",
+        ),
     ),
 }
 PLACES = {name: group for group, (_, names) in GROUPS.items() for name in names}

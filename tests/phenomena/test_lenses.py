@@ -193,3 +193,38 @@ def test_mirrors_have_the_crossings_of_the_closed_form() -> None:
 def test_mirrors_agree_elsewhere(focal_length: float, aperture: float) -> None:
     found = phenomena.parabola_mirror(focal_length=focal_length, aperture=aperture, heights=(1e-3, aperture))
     assert found.agrees, found
+
+
+def test_achromat_of_the_catalogue() -> None:
+    # SCHOTT's data sheets: N-BK7 has vd = 64.17, F2 has vd = 36.37
+    found = phenomena.achromat(focal_length=100.0, crown="SCHOTT:N-BK7", flint="SCHOTT:F2")
+    measured = {row.quantity: row.measured for row in found.rows}
+    power = measured["singlet: difference of the powers at F and C, by that at d"]
+    assert 1 / power == pytest.approx(64.17, abs=5e-3)
+    assert "(V = 36.37)" in found.setting
+    # about f / 2000, whatever the ordinary glasses (Kingslake)
+    assert measured["doublet: secondary spectrum, f_F - f_d, to first order"] == pytest.approx(0.05, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("focal_length", "crown", "flint"),
+    [(-500.0, "CAF2", "N-KZFS4"), (100.0, "F2", "N-BK7"), (1e-3, "PMMA", "polycarbonate")],
+)
+def test_achromat_agrees_elsewhere(focal_length: float, crown: str, flint: str) -> None:
+    found = phenomena.achromat(focal_length=focal_length, crown=crown, flint=flint)
+    assert found.agrees, found
+    np.testing.assert_allclose(found.shifts, found.shifts_theory, atol=1e-12 * abs(focal_length))
+
+
+@pytest.mark.parametrize(
+    ("options", "why"),
+    [
+        ({"flint": "N-BK7"}, r"Abbe number 64\.17"),
+        ({"crown": "nonsense"}, "crown must be a glass.*in no catalogue"),
+        ({"flint": "air"}, "disperses light"),
+        ({"flint": "germanium"}, "outside its range"),
+    ],
+)
+def test_achromat_needs_two_glasses(options: dict[str, str], why: str) -> None:
+    with pytest.raises(OptionError, match=why):
+        phenomena.achromat(**options)
