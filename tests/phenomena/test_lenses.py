@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from lenstrace import OptionError, load, phenomena
+from lenstrace.phenomena.lenses.cartesian_oval import oval_series
 from lenstrace.plotting.demonstration import demonstration_figure
 
 
@@ -141,3 +142,89 @@ def test_aplanatic_points_agree_elsewhere(options: dict[str, float]) -> None:
 def test_aplanatic_points_refuse_what_leaves_the_hemisphere() -> None:
     with pytest.raises(OptionError, match=r"keep all rays below 56\.31 deg"):
         phenomena.aplanatic_points(index=1.5, angles=(57.0,))
+
+
+def test_cartesian_oval_is_the_one_of_the_design() -> None:
+    # designs/cartesian_oval.toml, its series solved in 120 digits
+    series = oval_series(100.0, 150.0, 1.5, 10)
+    published = [0.02, -1.0277777777777778e-6, 7.325617283950617e-10, -2.2907771776406036e-13, 1.1774711481672001e-16]
+    np.testing.assert_allclose(series[1:6], published, rtol=1e-13)
+    assert series[10] == pytest.approx(-4.312555369564453e-33, rel=1e-12)
+    found = phenomena.cartesian_oval(aperture=0.1)
+    assert found.agrees
+    assert np.nanmax(abs(found.misses)) < 1e-13 * 250
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"index": 2.5, "source": 20.0, "image": 60.0, "aperture": 0.25},
+        {"index": 1.1, "aperture": 0.01},
+        {"index": 5.0, "source": 1.0, "image": 1e4},
+        {"aperture": 1e-9},
+    ],
+)
+def test_cartesian_oval_agrees_elsewhere(options: dict[str, float]) -> None:
+    found = phenomena.cartesian_oval(**options)
+    assert found.agrees, found
+    demonstration_figure(found).canvas.draw()
+
+
+@pytest.mark.parametrize(
+    "options", [{"aperture": 0.3}, {"aperture": 0.99}, {"index": 1.1, "source": 1e4, "image": 50.0}]
+)
+def test_cartesian_oval_has_an_end(options: dict[str, float]) -> None:
+    with pytest.raises(OptionError, match="lower aperture"):
+        phenomena.cartesian_oval(**options)
+
+
+def test_mirrors_have_the_crossings_of_the_closed_form() -> None:
+    # R = 200 mm, i = 30 deg: R - R / (2 cos 30) = 84.5299461621 mm from the vertex
+    found = phenomena.parabola_mirror(focal_length=100.0, heights=(1.0,))
+    assert found.rows[0].measured == pytest.approx(100.0, rel=1e-14)
+    assert found.rows[1].measured == pytest.approx(84.5299461621, rel=1e-12)
+    slopes = np.diff(np.log(found.largest[1])) / np.diff(np.log(found.apertures))
+    assert slopes[0] == pytest.approx(3.0, abs=1e-3)
+    assert (found.largest[0] < 1e-13).all()
+
+
+@pytest.mark.parametrize("aperture", [1e-3, 0.05, 1.3])
+@pytest.mark.parametrize("focal_length", [1e-3, 1e6])
+def test_mirrors_agree_elsewhere(focal_length: float, aperture: float) -> None:
+    found = phenomena.parabola_mirror(focal_length=focal_length, aperture=aperture, heights=(1e-3, aperture))
+    assert found.agrees, found
+
+
+def test_achromat_of_the_catalogue() -> None:
+    # SCHOTT's data sheets: N-BK7 has vd = 64.17, F2 has vd = 36.37
+    found = phenomena.achromat(focal_length=100.0, crown="SCHOTT:N-BK7", flint="SCHOTT:F2")
+    measured = {row.quantity: row.measured for row in found.rows}
+    power = measured["singlet: difference of the powers at F and C, by that at d"]
+    assert 1 / power == pytest.approx(64.17, abs=5e-3)
+    assert "(V = 36.37)" in found.setting
+    # about f / 2000, whatever the ordinary glasses (Kingslake)
+    assert measured["doublet: secondary spectrum, f_F - f_d, to first order"] == pytest.approx(0.05, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("focal_length", "crown", "flint"),
+    [(-500.0, "CAF2", "N-KZFS4"), (100.0, "F2", "N-BK7"), (1e-3, "PMMA", "polycarbonate")],
+)
+def test_achromat_agrees_elsewhere(focal_length: float, crown: str, flint: str) -> None:
+    found = phenomena.achromat(focal_length=focal_length, crown=crown, flint=flint)
+    assert found.agrees, found
+    np.testing.assert_allclose(found.shifts, found.shifts_theory, atol=1e-12 * abs(focal_length))
+
+
+@pytest.mark.parametrize(
+    ("options", "why"),
+    [
+        ({"flint": "N-BK7"}, r"Abbe number 64\.17"),
+        ({"crown": "nonsense"}, "crown must be a glass.*in no catalogue"),
+        ({"flint": "air"}, "disperses light"),
+        ({"flint": "germanium"}, "outside its range"),
+    ],
+)
+def test_achromat_needs_two_glasses(options: dict[str, str], why: str) -> None:
+    with pytest.raises(OptionError, match=why):
+        phenomena.achromat(**options)

@@ -1,98 +1,168 @@
-"""Parabola against sphere as the mirror of a telescope: where a beam along the axis goes.
+"""Why a telescope's mirror is a parabola: the spot of a parabolic mirror and of a spherical one.
 
-A sphere of radius R sends the ray that falls in at sin i = h / R to R / (2 cos i) from its centre, where those near the
-axis go to R / 2; in the plane of that focus it misses by
+A ray parallel to the axis meets a sphere of radius R = 2 f at the height h = R sin i, is turned by 2 i, and crosses the
+axis at the distance R - R / (2 cos i) from the vertex; in the focal plane it is
 
-    (R - R / (2 cos i) - R / 2) tan 2i,      about h^3 / R^2.
+    H = (R / 2) (1 / cos i - 1) tan 2i = R sin^3 i / ((1 + cos i) (1 - 2 sin^2 i)) = h^3 / (2 R^2) + ...,
+    d log H / d log h = 3 + sin^2 i / (cos i (1 + cos i)) + 4 sin^2 i / (1 - 2 sin^2 i)
 
-A parabola sends all of them to R / 2, by paths that are equal.
-Source: Born & Wolf, Principles of Optics (7th ed.), section 4.4; Kepler, Paralipomena (1604), on the parabola.
+from the axis. The parabola sends every ray through the focus.
+Source: Hecht, Optics, section 5.4; Born & Wolf, Principles of Optics, section 4.2.
 """
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 
-from lenstrace.analysis.rays import trace
 from lenstrace.phenomena.demonstration import Comparison, Demonstration, result
+from lenstrace.phenomena.lenses.near_axis import Neighbours, neighbours
 from lenstrace.phenomena.options import Option, demonstration
+from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.prescription import lens
 
-RAYS = 24  # drawn; none of them on the axis
-HEIGHTS = np.geomspace(0.01, 1, 25)  # of the beam, for the plot
-PERFECT = 1e-14  # of the focal length
+MIRRORS = ("parabola", "sphere")
+CONICS = np.array([-1.0, 0.0])
+HIGHEST = 1.3  # focal lengths; at 1.41 a ray leaves the sphere across the axis
+ROUNDING = 1e-14  # of the lengths that are added up
+NODES = 24  # of Gauss's rule over the area of the beam: exact to rounding up to HIGHEST
+APERTURES, DECADES = 15, 2  # on the curves, over so many decades
+DRAWN = 8  # rays of each mirror
 
 
 @result
 class ParabolaMirror(Demonstration):
-    """A beam on two mirrors; mm, z from the vertex, toward the light.
+    """Rays of both mirrors, and how large their spots are; lengths in mm, z from the vertex. First the parabola.
 
-    radius:           of curvature, both.
-    heights:          (N,).        mirror_z, crossings: (2, N), of the sphere and of the parabola.
-    f_numbers:        (K,), of beams.       misses: (2, K), of their outermost rays, in the plane of the focus.
-    theory:           (K,), of the sphere.
+    focal_length:  f.
+    heights:       (N,), of the rays that are drawn.
+    met:           (2, N), z where they meet the mirrors.           slopes: (2, N), dy/dz behind them.
+    profiles:      (2, M), z of the mirrors at profile_heights, (M,).
+    apertures:     (A,), radius of the beam, in focal lengths.
+    largest, rms:  (2, A), of the spots in the focal plane.
+    largest_theory, rms_theory:  (A,), of the sphere.
     """
 
-    radius: float
+    focal_length: float
     heights: np.ndarray
-    mirror_z: np.ndarray
-    crossings: np.ndarray
-    f_numbers: np.ndarray
-    misses: np.ndarray
-    theory: np.ndarray
+    met: np.ndarray
+    slopes: np.ndarray
+    profiles: np.ndarray
+    profile_heights: np.ndarray
+    apertures: np.ndarray
+    largest: np.ndarray
+    rms: np.ndarray
+    largest_theory: np.ndarray
+    rms_theory: np.ndarray
 
 
 @demonstration
 def parabola_mirror(
-    focal_length: Annotated[float, Option("focal length of the mirrors", "mm", above=0, most=1e6)] = 100.0,
-    diameter: Annotated[float, Option("diameter of the beam over the focal length", above=0, most=2.7)] = 1.2,
+    focal_length: Annotated[float, Option("focal length of both mirrors", "mm", above=0, slider=(50, 2000))] = 100.0,
+    aperture: Annotated[
+        float, Option("radius of the beam in focal lengths", least=1e-3, most=HIGHEST, slider=(0.01, 1))
+    ] = 0.5,
+    heights: Annotated[
+        tuple[float, ...], Option("rays in the table: height in focal lengths", least=1e-3, most=HIGHEST)
+    ] = (0.1, 0.3, 0.5),
 ) -> ParabolaMirror:
-    """Parabola against sphere: a mirror that focuses, and one that nearly does."""
-    radius, half = 2 * focal_length, diameter * focal_length / 2
-    share = np.linspace(-1, 1, RAYS)
-    sphere, parabola = (_on(conic, radius, half, np.append(share, HEIGHTS)) for conic in (0.0, -1.0))
-    y = half * np.append(share, HEIGHTS)
-    sine = y / radius
-    cosine = np.sqrt(1 - sine**2)
-    # R - R / (2 cos i) - R / 2, written so that nothing cancels
-    along = radius * sine**2 / (2 * cosine * (1 + cosine))
-    miss = along * 2 * sine * cosine / (1 - 2 * sine**2)
-    where = radius / 2 - along
-    crossings = np.array([-(mirror.z[1] - mirror.y[1] * mirror.n[1] / mirror.m[1]) for mirror in (sphere, parabola)])
-    path = parabola.opl[1] + np.hypot(parabola.y[1], focal_length + parabola.z[1])
-    rows = []
-    for at in (RAYS // 2 + RAYS // 4, RAYS - 1):
-        ray = f"ray at {y[at]:.4g} mm"
-        rows += [
-            Comparison(f"{ray}: sphere sends it to", "mm", crossings[0, at], where[at]),
-            Comparison(f"{ray}: in the focal plane it misses by", "mm", -sphere.y[2, at], miss[at]),
-            Comparison(f"{ray}: parabola sends it to", "mm", crossings[1, at], focal_length),
-            Comparison(f"{ray}: there it misses by", "mm", parabola.y[2, at], 0.0, PERFECT * focal_length),
-            Comparison(f"{ray}: path to the focus", "mm", path[at], focal_length),
-        ]
-    beams = slice(RAYS, None)
-    return ParabolaMirror(
-        setting=f"a beam of {2 * half:g} mm along the axis of mirrors of focal length {focal_length:g} mm",
-        rows=tuple(rows),
-        radius=radius,
-        heights=y[:RAYS],
-        mirror_z=-np.array([sphere.z[1, :RAYS], parabola.z[1, :RAYS]]),
-        crossings=crossings[:, :RAYS],
-        f_numbers=focal_length / (2 * y[beams]),
-        misses=np.abs([sphere.y[2, beams], parabola.y[2, beams]]),
-        theory=miss[beams],
-    )
-
-
-def _on(conic: float, radius: float, half: float, share: np.ndarray) -> Any:
-    """A `Ray` of numpy arrays: the beam at the launch, on the mirror, and in the plane of the focus."""
+    """A parabolic mirror and a spherical one: the spot of a star."""
+    f, radius = focal_length, 2 * focal_length
+    apertures = aperture * np.geomspace(10.0**-DECADES, 1, APERTURES)
+    nodes, weights = np.polynomial.legendre.leggauss(NODES)
+    # nodes over the area, in radii of the beam
+    inside = np.sqrt((1 + nodes) / 2)
+    table, drawn = f * np.array(heights), f * aperture * np.linspace(0, 1, DRAWN + 1)[1:]
+    parts = [table, drawn, f * apertures, np.outer(f * apertures, inside).ravel()]
     mirror = lens(
-        [{"radius": -radius, "conic": conic, "mirror": True, "stop": True, "thickness": -radius / 2}],
-        {"entrance_pupil_diameter": 2 * half},
+        [{"radius": -radius, "conic": -1.0, "mirror": True, "thickness": -f, "stop": True}],
+        {"entrance_pupil_diameter": 2 * f * aperture},
         [0.0],
         [0.5876],
     )
-    return jax.device_get(trace(mirror, pupil=(0.0, share)))
+    near = jax.device_get(_through(mirror, CONICS, np.concatenate(parts)))
+    bounds = np.cumsum([len(part) for part in parts])[:-1]
+    y, z, slope, landed, moving = (
+        np.split(a, bounds, axis=1)
+        for a in (
+            near.path.y[:, 1],
+            near.path.z[:, 1],
+            near.path.m[:, 1] / near.path.n[:, 1],
+            near.path.y[:, 2],
+            near.y[:, 2],
+        )
+    )
+    crossing = y[0] / slope[0] - z[0]
+    rms = np.sqrt((landed[3].reshape(2, APERTURES, NODES) ** 2) @ weights / 2)
+
+    sine = table / radius
+    cosine = np.sqrt(1 - sine * sine)
+    # what rounding of a direction does in the focal plane, and along the axis to a ray that crosses it at 2 i
+    across = ROUNDING * radius / (2 * cosine**2 - 1) ** 2
+    along = across / (2 * sine * cosine)
+    rows = []
+    for i, height in enumerate(heights):
+        at = f"ray at {height:g} f"
+        rows += [
+            Comparison(f"{at}: parabola, crosses the axis", "mm", crossing[0, i], f, along[i]),
+            Comparison(f"{at}: sphere, crosses the axis", "mm", crossing[1, i], radius - f / cosine[i], along[i]),
+            Comparison(f"{at}: parabola, height in the focal plane", "mm", landed[0][0, i], 0.0, across[i]),
+            Comparison(
+                f"{at}: sphere, height in the focal plane", "mm", landed[0][1, i], -_height(radius, sine)[i], across[i]
+            ),
+        ]
+    edge = aperture / 2  # sin i
+    most = ROUNDING * radius / (1 - 2 * edge * edge) ** 2
+    cosine_edge = np.sqrt(1 - edge * edge)
+    growth = 3 + edge**2 / (cosine_edge * (1 + cosine_edge)) + 4 * edge**2 / (1 - 2 * edge**2)
+    exponent = f * aperture * moving[2][1, -1] / landed[2][1, -1]
+    rms_theory = np.array([_rms(radius, f * each) for each in apertures])
+    rows += [
+        Comparison(f"beam of radius {aperture:g} f: parabola, RMS spot", "mm", rms[0, -1], 0.0, most),
+        Comparison(f"beam of radius {aperture:g} f: sphere, RMS spot", "mm", rms[1, -1], rms_theory[-1], most),
+        Comparison(
+            "sphere: the miss grows with this power of the height there", "", exponent, growth, most / radius / edge**2
+        ),
+    ]
+    profile_heights = 1.05 * f * aperture * np.linspace(-1, 1, 101)
+    sphere = -(profile_heights**2) / radius / (1 + np.sqrt(1 - (profile_heights / radius) ** 2))
+    return ParabolaMirror(
+        setting=f"a beam of radius {f * aperture:g} mm along the axis meets mirrors of focal length {f:g} mm, a "
+        "parabola and a sphere; distances along the axis count from the vertex toward the light",
+        rows=tuple(rows),
+        focal_length=f,
+        heights=drawn,
+        met=z[1],
+        slopes=slope[1],
+        profiles=np.array([-(profile_heights**2) / (4 * f), sphere]),
+        profile_heights=profile_heights,
+        apertures=apertures,
+        largest=abs(landed[2]),
+        rms=rms,
+        largest_theory=_height(radius, apertures / 2),
+        rms_theory=rms_theory,
+    )
+
+
+@jax.jit
+def _through(mirror: Lens, conics: jax.Array, heights: jax.Array) -> Neighbours:
+    """Rays at the heights, mm, and their neighbours, on mirrors of several conics."""
+    ones = jnp.ones_like(heights)
+    return jax.vmap(lambda conic: neighbours(mirror.replace(surface=1, conic=conic), ones, 0 * ones, heights))(conics)
+
+
+def _height(radius: float, sine: np.ndarray) -> np.ndarray:
+    """H of the sphere, see the docstring of this file."""
+    return radius * sine**3 / ((1 + np.sqrt(1 - sine * sine)) * (1 - 2 * sine * sine))
+
+
+def _rms(radius: float, beam: float) -> float:
+    """sqrt(2 / b^2 integral of H^2 h dh from 0 to b), over the angle i."""
+    nodes, weights = np.polynomial.legendre.leggauss(2 * NODES)
+    last = np.arcsin(beam / radius)
+    angle = last * (1 + nodes) / 2
+    integrand = _height(radius, np.sin(angle)) ** 2 * radius**2 * np.sin(angle) * np.cos(angle)
+    return float(np.sqrt(2 / beam**2 * (integrand @ weights) * last / 2))

@@ -1,48 +1,57 @@
-"""A beam on a spherical and on a parabolic mirror, and how far their rays miss the focus."""
+"""Rays of a parabolic and of a spherical mirror, and the size of their spots."""
 
 from __future__ import annotations
 
+import numpy as np
 from matplotlib.axes import Axes
 
-from lenstrace.phenomena.lenses.parabola_mirror import ParabolaMirror
+from lenstrace.phenomena.lenses.parabola_mirror import MIRRORS, ParabolaMirror
 from lenstrace.plotting.colours import AXIS, MIRROR, PALETTE
 
-NAMES = ("sphere", "parabola")
-ROUNDING = 1e-17  # mm: what is drawn where a ray misses by nothing
+LEFT, TALL = 1.5, 0.5  # how far the picture reaches to the left, and half its height, at least; focal lengths
+WIDER, TALLER = 2.4, 1.4  # the same, in radii of the beam
+NOTHING = 1e-19  # focal lengths: where a spot of 0 is drawn on the logarithmic scale
 
 
 def plot_rays(found: ParabolaMirror, axes: Axes) -> Axes:
-    """The sphere in the upper half, the parabola in the lower; mm, z toward the light."""
-    half = len(found.heights) // 2
+    """The rays up to the edge behind the focus, in mm: of the parabola below the axis, of the sphere above it."""
+    f, beam = found.focal_length, found.heights[-1]
+    edge, tall = -max(LEFT * f, WIDER * beam), max(TALL * f, TALLER * beam)
+    for side, place, name in ((-1, 0, MIRRORS[0]), (1, 1, MIRRORS[1])):
+        met, slope, colour = found.met[place], found.slopes[place], PALETTE[place]
+        half = side * found.profile_heights >= 0
+        axes.plot(found.profiles[place, half], found.profile_heights[half], color=MIRROR, linewidth=2.5)
+        z = np.array([edge + 0 * met, met, edge + 0 * met])
+        y = side * np.array([found.heights, found.heights, found.heights + slope * (edge - met)])
+        axes.plot(z, y, color=colour, linewidth=0.8)
+        axes.plot([], [], color=colour, label=name)
     axes.axhline(0, color=AXIS, linewidth=0.7, linestyle=(0, (12, 3, 2, 3)))
-    for place, part in enumerate((slice(half, None), slice(half))):
-        z, y, ends = found.mirror_z[place, part], found.heights[part], found.crossings[place, part]
-        axes.plot(z, y, color=MIRROR, linewidth=2)
-        far = 0.75 * found.radius
-        for a, b, end in zip(z, y, ends, strict=True):
-            axes.plot([far, a, end], [b, b, 0], color=PALETTE[place], linewidth=0.7)
-        axes.plot([], [], color=PALETTE[place], label=f"{NAMES[place]} ({'above' if place == 0 else 'below'})")
-    axes.plot(found.radius / 2, 0, "o", color=PALETTE[5], markersize=5, label="focus")
-    axes.set(xlabel="z from the vertex, mm", ylabel="y, mm", title="A beam along the axis")
-    axes.set_aspect("equal", adjustable="datalim")
-    axes.legend(fontsize="small", loc="upper right")
+    axes.plot(-f, 0, "o", color=PALETTE[5], markersize=4, label="focus")
+    axes.set_aspect("equal")
+    axes.set(
+        xlabel="z, mm", ylabel="y, mm", title="Rays of a star on the axis", xlim=(edge, -edge / 10), ylim=(-tall, tall)
+    )
+    axes.legend(loc="upper left", fontsize="small", ncols=3)
     return axes
 
 
-def plot_misses(found: ParabolaMirror, axes: Axes) -> Axes:
-    """The outermost ray in the plane of the focus, against the F-number."""
-    for place, marker in enumerate("o^"):
-        misses = found.misses[place].clip(ROUNDING)
-        axes.loglog(
-            found.f_numbers, misses, marker, color=PALETTE[place], markersize=4, label=f"{NAMES[place]}, traced"
-        )
-    axes.loglog(found.f_numbers, found.theory, color=PALETTE[0], linewidth=1, label="sphere, theory")
+def plot_spots(found: ParabolaMirror, axes: Axes) -> Axes:
+    """Radius and RMS of the spots in the focal plane, in focal lengths, against the radius of the beam."""
+    f = found.focal_length
+    axes.loglog(found.apertures, found.largest_theory / f, color=PALETTE[1], linewidth=1)
+    axes.loglog(found.apertures, found.rms_theory / f, color=PALETTE[1], linewidth=1)
+    for place, (name, colour) in enumerate(zip(MIRRORS, PALETTE, strict=False)):
+        largest, rms = (np.maximum(spots[place] / f, NOTHING) for spots in (found.largest, found.rms))
+        axes.loglog(found.apertures, largest, "o", color=colour, markersize=4, label=f"{name}: radius")
+        axes.loglog(found.apertures, rms, "^", color=colour, markersize=4, mfc="none", label=f"{name}: RMS")
     axes.set(
-        xlabel="F-number of the beam", ylabel="outermost ray misses the focus by, mm", title="Spherical aberration"
+        xlabel="radius of the beam / focal length",
+        ylabel="spot in the focal plane / focal length",
+        title="Spots (lines: theory, of slope 3)",
     )
     axes.grid(alpha=0.3)
-    axes.legend(fontsize="small")
+    axes.legend(fontsize="small", loc="center right")
     return axes
 
 
-PANELS = (plot_rays, plot_misses)
+PANELS = (plot_rays, plot_spots)
