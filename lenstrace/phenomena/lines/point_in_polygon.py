@@ -74,7 +74,8 @@ def point_in_polygon(
     j, i = np.indices((grid, grid))
     near = NEAR + i * ROUNDING, NEAR + j * ROUNDING
     plain, exact = _plain(*near), np.sign(j - i)
-    by_line = orientation(*(tuple(np.full((grid, grid), c) for c in corner) for corner in LINE), near)
+    a, b = ((np.full((grid, grid), c_x), np.full((grid, grid), c_y)) for c_x, c_y in LINE)
+    by_line = orientation(a, b, near)
     by_triangle = inside(TRIANGLE, *near)
 
     def wrong(found: np.ndarray, right: np.ndarray | int) -> int:

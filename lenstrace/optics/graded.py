@@ -1,0 +1,149 @@
+"""Rays through a medium whose index changes from place to place: an ordinary differential equation.
+
+With dt = ds / n and p = n times the direction, d/ds (n dr/ds) = grad n becomes
+
+    dr/dt = p,      dp/dt = grad(n^2) / 2,      dL/dt = n^2,
+
+L the optical path; |p| = n along the whole course. All rays run together, by Dormand and Prince's method of order 8.
+Source: A. Sharma, D. V. Kumar, A. K. Ghatak, Appl. Opt. 21, 984 (1982); Hairer, Norsett, Wanner, "Solving Ordinary
+Differential Equations I" (1993).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple, Protocol
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from lenstrace.errors import AccuracyError, OptionError
+from lenstrace.optics.rays import Ray, RayStatus, failure_code
+
+# Relative error that a step may make: more accurate than this float64 cannot be.
+LEAST_TOLERANCE, MOST_TOLERANCE = 1e-13, 1e-1
+# A boundary is looked for at so many places along the whole way, whatever the steps, then met by halving, to the last
+# digit.
+LOOKS = 256
+HALVINGS = 50
+
+
+class Field(Protocol):
+    """A medium: a pytree, so that one program serves all its numbers."""
+
+    def square(self, x: jax.Array, y: jax.Array, z: jax.Array) -> jax.Array:
+        """n^2 at points in mm, of their shape; smooth wherever a ray goes and for some way beyond the boundary."""
+        ...
+
+
+# Of points (3, N) in mm and n times their directions (3, N): (N,) numbers that rise through 0 where rays end.
+Boundary = Callable[[np.ndarray, np.ndarray], np.ndarray]
+
+
+class Course(NamedTuple):
+    """Where N rays went.
+
+    end:       where they ended, with their optical path from the start; MISSED those that met no boundary.
+    points:    (3, samples, N), mm, from the start to the end in equal parts of t.
+    drift:     (N,), how far |p| / n departs from 1 at the end: 0 but for the errors of the steps.
+    calls:     how often the equation was evaluated, for all rays at once.
+    """
+
+    end: Ray
+    points: np.ndarray
+    drift: np.ndarray
+    calls: int
+
+
+def through(
+    field: Field,
+    start: Ray,
+    reach: float,
+    boundary: Boundary,
+    *,
+    tolerance: float = 1e-12,
+    samples: int = 2,
+) -> Course:
+    """Rays from where they start to where they first leave through a boundary.
+
+    field:      the medium.                  start: (N,), points in mm, unit directions.
+    reach:      how far rays are followed at most, of t, mm: way divided by index.
+    boundary:   negative inside; a ray may start on it.
+    tolerance:  relative error of one step; those of the end are some ten times as large, see `Course.drift`.
+    OptionError for a tolerance beyond what float64 allows, AccuracyError where the steps become too small.
+    """
+    from scipy.integrate import solve_ivp
+
+    if not LEAST_TOLERANCE <= tolerance <= MOST_TOLERANCE:
+        raise OptionError(
+            f"tolerance must be at least {LEAST_TOLERANCE:g} and at most {MOST_TOLERANCE:g}, got {tolerance!r}"
+        )
+    places = np.array([start.x, start.y, start.z], float)
+    directions = np.array([start.l, start.m, start.n], float)
+    first = np.concatenate([places, np.sqrt(_forces(field, *places)[0]) * directions, np.zeros((1, places.shape[1]))])
+
+    def slope(_: float, state: np.ndarray) -> np.ndarray:
+        now = state.reshape(first.shape)
+        square, forces = _forces(field, *now[:3])
+        return np.concatenate([now[3:6], forces, np.asarray(square)[None]]).ravel()
+
+    size = np.array([reach] * 3 + [1.0] * 3 + [reach])
+    solved = solve_ivp(
+        slope,
+        (0.0, reach),
+        first.ravel(),
+        method="DOP853",
+        rtol=tolerance,
+        atol=np.repeat(tolerance * size, places.shape[1]),
+        dense_output=True,
+    )
+    if not solved.success:
+        raise AccuracyError(f"rays cannot be followed through this medium: {solved.message}; take a larger tolerance")
+
+    def state_at(t: np.ndarray) -> np.ndarray:
+        """(7, N) at one t for each ray."""
+        states = solved.sol(t).reshape(*first.shape, len(t))
+        return np.diagonal(states, axis1=1, axis2=2)
+
+    ends, met = _ends(solved.sol, state_at, boundary, reach, first.shape)
+    last = state_at(ends)
+    sampled = np.stack([state_at(part * ends)[:3] for part in np.linspace(0, 1, samples)], 1)
+    length = np.sqrt((last[3:6] ** 2).sum(0))
+    drift = length / np.sqrt(_forces(field, *last[:3])[0]) - 1
+    failure = np.where(met, 0, failure_code(1, RayStatus.MISSED)).astype(np.int32)
+    end = Ray(*last[:3], *(last[3:6] / length), failure=failure, opl=last[6])
+    return Course(end, sampled, drift, solved.nfev)
+
+
+@jax.jit
+def _forces(field: Field, x: jax.Array, y: jax.Array, z: jax.Array) -> tuple[jax.Array, jax.Array]:
+    """n^2, (N,), and half its gradient, (3, N)."""
+    square, back = jax.vjp(field.square, x, y, z)
+    return square, jnp.stack(back(jnp.full_like(square, 0.5)))
+
+
+def _ends(
+    states_at: Callable[[np.ndarray], np.ndarray],
+    state_at: Callable[[np.ndarray], np.ndarray],
+    boundary: Boundary,
+    reach: float,
+    shape: tuple[int, ...],
+) -> tuple[np.ndarray, np.ndarray]:
+    """The t of every ray where it first leaves through the boundary, (N,), or the last one; and whether it does.
+
+    states_at: (7 N, T) of times (T,).      state_at: (7, N) of one time for each ray.      shape: (7, N).
+    """
+    times = np.linspace(0, reach, LOOKS)
+    looks = states_at(times).reshape(*shape, LOOKS)
+    heights = np.stack([boundary(now[:3], now[3:6]) for now in np.moveaxis(looks, -1, 0)])
+    leaves = (heights[:-1] < 0) & (heights[1:] >= 0)
+    met, place = leaves.any(0), leaves.argmax(0)
+    before = np.where(met, times[place], reach)
+    behind = np.where(met, times[place + 1], reach)
+    for _ in range(HALVINGS):
+        middle = (before + behind) / 2
+        now = state_at(middle)
+        outside = boundary(now[:3], now[3:6]) >= 0
+        before, behind = np.where(outside, before, middle), np.where(outside, middle, behind)
+    return behind, met
