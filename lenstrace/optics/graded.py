@@ -23,8 +23,10 @@ from lenstrace.optics.rays import Ray, RayStatus, failure_code
 
 # Relative error that a step may make: more accurate than this float64 cannot be.
 LEAST_TOLERANCE, MOST_TOLERANCE = 1e-13, 1e-1
-# A boundary is looked for at so many places along the whole way, whatever the steps, then met by halving, to the last
-# digit.
+# Numbers smaller than this part of the reach, or of 1 for p, are as accurate as numbers of that size.
+FLOOR = 1e-3
+# A boundary is looked for at so many places along the whole way, closer at first, for rays that soon end; then it is
+# met by halving, to the last digit.
 LOOKS = 256
 HALVINGS = 50
 
@@ -32,7 +34,7 @@ HALVINGS = 50
 class Field(Protocol):
     """A medium: a pytree, so that one program serves all its numbers."""
 
-    def square(self, x: jax.Array, y: jax.Array, z: jax.Array) -> jax.Array:
+    def square(self, x: jax.Array, y: jax.Array, z: jax.Array, /) -> jax.Array:
         """n^2 at points in mm, of their shape; smooth wherever a ray goes and for some way beyond the boundary."""
         ...
 
@@ -46,12 +48,14 @@ class Course(NamedTuple):
 
     end:       where they ended, with their optical path from the start; MISSED those that met no boundary.
     points:    (3, samples, N), mm, from the start to the end in equal parts of t.
+    end_index: (N,), n there.
     drift:     (N,), how far |p| / n departs from 1 at the end: 0 but for the errors of the steps.
     calls:     how often the equation was evaluated, for all rays at once.
     """
 
     end: Ray
     points: np.ndarray
+    end_index: np.ndarray
     drift: np.ndarray
     calls: int
 
@@ -89,15 +93,17 @@ def through(
         return np.concatenate([now[3:6], forces, np.asarray(square)[None]]).ravel()
 
     size = np.array([reach] * 3 + [1.0] * 3 + [reach])
-    solved = solve_ivp(
-        slope,
-        (0.0, reach),
-        first.ravel(),
-        method="DOP853",
-        rtol=tolerance,
-        atol=np.repeat(tolerance * size, places.shape[1]),
-        dense_output=True,
-    )
+    # a first step that is far too long may meet numbers that overflow, and is then made shorter
+    with np.errstate(over="ignore", invalid="ignore"):
+        solved = solve_ivp(
+            slope,
+            (0.0, reach),
+            first.ravel(),
+            method="DOP853",
+            rtol=tolerance,
+            atol=np.repeat(FLOOR * tolerance * size, places.shape[1]),
+            dense_output=True,
+        )
     if not solved.success:
         raise AccuracyError(f"rays cannot be followed through this medium: {solved.message}; take a larger tolerance")
 
@@ -110,10 +116,10 @@ def through(
     last = state_at(ends)
     sampled = np.stack([state_at(part * ends)[:3] for part in np.linspace(0, 1, samples)], 1)
     length = np.sqrt((last[3:6] ** 2).sum(0))
-    drift = length / np.sqrt(_forces(field, *last[:3])[0]) - 1
+    index = np.sqrt(_forces(field, *last[:3])[0])
     failure = np.where(met, 0, failure_code(1, RayStatus.MISSED)).astype(np.int32)
-    end = Ray(*last[:3], *(last[3:6] / length), failure=failure, opl=last[6])
-    return Course(end, sampled, drift, solved.nfev)
+    end = Ray(*last[:3], *(last[3:6] / length), failure=jnp.asarray(failure), opl=last[6])
+    return Course(end, sampled, index, length / index - 1, solved.nfev)
 
 
 @jax.jit
@@ -134,7 +140,7 @@ def _ends(
 
     states_at: (7 N, T) of times (T,).      state_at: (7, N) of one time for each ray.      shape: (7, N).
     """
-    times = np.linspace(0, reach, LOOKS)
+    times = reach * np.linspace(0, 1, LOOKS) ** 2
     looks = states_at(times).reshape(*shape, LOOKS)
     heights = np.stack([boundary(now[:3], now[3:6]) for now in np.moveaxis(looks, -1, 0)])
     leaves = (heights[:-1] < 0) & (heights[1:] >= 0)
@@ -146,4 +152,4 @@ def _ends(
         now = state_at(middle)
         outside = boundary(now[:3], now[3:6]) >= 0
         before, behind = np.where(outside, before, middle), np.where(outside, middle, behind)
-    return behind, met
+    return behind, np.asarray(met)
