@@ -1,118 +1,155 @@
-"""Rays through an index that changes continuously, n(x, y, z).
+"""Rays through a medium whose index changes from place to place: an ordinary differential equation.
 
-With p = n d, d the unit direction, and the optical path L as the parameter, dL = n ds, the ray equation
-d/ds (n dr/ds) = grad n becomes
+With dt = ds / n and p = n times the direction, d/ds (n dr/ds) = grad n becomes
 
-    dr / dL = p / n^2,      dp / dL = grad n^2 / (2 n^2):
+    dr/dt = p,      dp/dt = grad(n^2) / 2,      dL/dt = n^2,
 
-rays at the same L are on one wavefront. It is solved by the method of Dormand and Prince of order 8 with its own
-estimate of its error (scipy's DOP853); the gradient is exact, by automatic differentiation.
-Source: Born & Wolf, Principles of Optics (7th ed.), section 3.2.1; Hairer, Norsett & Wanner, Solving Ordinary
-Differential Equations I (1993), section II.10.
+L the optical path; |p| = n along the whole course. All rays run together, by Dormand and Prince's method of order 8.
+Source: A. Sharma, D. V. Kumar, A. K. Ghatak, Appl. Opt. 21, 984 (1982); Hairer, Norsett, Wanner, "Solving Ordinary
+Differential Equations I" (1993).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any
+from typing import NamedTuple, Protocol
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
-from lenstrace.errors import RayError
-from lenstrace.optics.rays import Ray
+from lenstrace.errors import AccuracyError, OptionError
+from lenstrace.optics.rays import Ray, RayStatus, failure_code
 
-SquaredIndex = Callable[[jax.Array, jax.Array, jax.Array], jax.Array]
-# How often a boundary is looked for along a path, and how often the step in which it is found is halved.
-LOOKS, HALVINGS = 400, 60
-# The absolute tolerance of lengths, of the length of the path, for each unit of the relative one.
-ABSOLUTE = 1e-3
-STEPS = 100
+# Relative error that a step may make: more accurate than this float64 cannot be.
+LEAST_TOLERANCE, MOST_TOLERANCE = 1e-13, 1e-1
+# Numbers smaller than this part of the reach, or of 1 for p, are as accurate as numbers of that size.
+FLOOR = 1e-3
+# A boundary is looked for at so many places along the whole way, closer at first, for rays that soon end; then it is
+# met by halving, to the last digit.
+LOOKS = 256
+HALVINGS = 50
 
 
-@dataclass(frozen=True, eq=False)
-class GradedPath:
-    """The course of N rays, known at every optical path from 0 to `end`, mm.
+class Field(Protocol):
+    """A medium: a pytree, so that one program serves all its numbers."""
 
-    evaluations:  how often the gradient was asked for: the cost.
+    def square(self, x: jax.Array, y: jax.Array, z: jax.Array, /) -> jax.Array:
+        """n^2 at points in mm, of their shape; smooth wherever a ray goes and for some way beyond the boundary."""
+        ...
+
+
+# Of points (3, N) in mm and n times their directions (3, N): (N,) numbers that rise through 0 where rays end.
+Boundary = Callable[[np.ndarray, np.ndarray], np.ndarray]
+
+
+class Course(NamedTuple):
+    """Where N rays went.
+
+    end:       where they ended, with their optical path from the start; MISSED those that met no boundary.
+    points:    (3, samples, N), mm, from the start to the end in equal parts of t.
+    end_index: (N,), n there.
+    drift:     (N,), how far |p| / n departs from 1 at the end: 0 but for the errors of the steps.
+    calls:     how often the equation was evaluated, for all rays at once.
     """
 
-    end: float
-    evaluations: int
-    _solution: Any
-
-    def at(self, opl: np.ndarray | float) -> Ray:
-        """The rays at optical paths, mm: one for all, (N,) for each ray, or (K, 1) or (K, N) for K places of each."""
-        count = self._solution(0.0).size // 6
-        paths = np.broadcast_to(opl, np.broadcast_shapes(np.shape(opl), (count,)))
-        # the solution gives all rays for every path; each ray wants its own
-        values = np.stack(
-            [self._solution(own).reshape(6, count, -1)[:, i] for i, own in enumerate(paths.reshape(-1, count).T)], -1
-        )
-        values = values.reshape(6, *paths.shape)
-        x, y, z, *momentum = values
-        length = np.sqrt(sum(p * p for p in momentum))
-        l, m, n = (p / length for p in momentum)
-        return Ray(x, y, z, l, m, n, failure=np.zeros(x.shape, np.int32), opl=paths)  # type: ignore[arg-type]
-
-    def first(self, beyond: Callable[[Ray], np.ndarray]) -> Ray:
-        """Where each ray first comes to where `beyond` rises above 0, (N,); nan for one that never does.
-
-        beyond: a number for each ray, negative before; what happens twice within a 400th of the path is overlooked.
-        """
-        paths = np.linspace(0, self.end, LOOKS + 1)
-        values = np.asarray(beyond(self.at(paths[:, None])))
-        rises = (values[:-1] < 0) & (values[1:] >= 0)
-        found, step = rises.any(0), rises.argmax(0)
-        low, high = paths[step], paths[step + 1]
-        for _ in range(HALVINGS):
-            middle = (low + high) / 2
-            outside = np.asarray(beyond(self.at(middle))) >= 0
-            low, high = np.where(outside, low, middle), np.where(outside, middle, high)
-        ray = self.at(np.where(found, high, 0))
-        return jax.tree.map(lambda a: np.where(found, a, np.nan) if a.dtype.kind == "f" else a, ray)
+    end: Ray
+    points: np.ndarray
+    end_index: np.ndarray
+    drift: np.ndarray
+    calls: int
 
 
-def follow(
-    squared_index: SquaredIndex, rays: Ray, end: float, *, tolerance: float = 1e-13, steps: int = STEPS
-) -> GradedPath:
-    """Rays (N,) through a medium, as far as the optical path `end`, mm.
+def through(
+    field: Field,
+    start: Ray,
+    reach: float,
+    boundary: Boundary,
+    *,
+    tolerance: float = 1e-12,
+    samples: int = 2,
+) -> Course:
+    """Rays from where they start to where they first leave through a boundary.
 
-    squared_index:  n^2 at points x, y, z (mm), all of one shape; jax.numpy, positive wherever the rays come.
-    rays:           points, mm, and unit directions.
-    tolerance:      relative error of a step. RayError where the method finds no step that is small enough.
-    steps:          at least so many are taken: between them the path is interpolated, by an order less.
+    field:      the medium.                  start: (N,), points in mm, unit directions.
+    reach:      how far rays are followed at most, of t, mm: way divided by index.
+    boundary:   negative inside; a ray may start on it.
+    tolerance:  relative error of one step; those of the end are some ten times as large, see `Course.drift`.
+    OptionError for a tolerance beyond what float64 allows, AccuracyError where the steps become too small.
     """
     from scipy.integrate import solve_ivp
 
-    count = np.size(rays.x)
+    if not LEAST_TOLERANCE <= tolerance <= MOST_TOLERANCE:
+        raise OptionError(
+            f"tolerance must be at least {LEAST_TOLERANCE:g} and at most {MOST_TOLERANCE:g}, got {tolerance!r}"
+        )
+    places = np.array([start.x, start.y, start.z], float)
+    directions = np.array([start.l, start.m, start.n], float)
+    first = np.concatenate([places, np.sqrt(_forces(field, *places)[0]) * directions, np.zeros((1, places.shape[1]))])
 
-    @jax.jit
-    def rates(place: jax.Array, momentum: jax.Array) -> tuple[jax.Array, jax.Array]:
-        square = squared_index(*place)
-        slopes = jax.grad(lambda place: jnp.sum(squared_index(*place)))(place)
-        return momentum / square, slopes / (2 * square)
+    def slope(_: float, state: np.ndarray) -> np.ndarray:
+        now = state.reshape(first.shape)
+        square, forces = _forces(field, *now[:3])
+        return np.concatenate([now[3:6], forces, np.asarray(square)[None]]).ravel()
 
-    point = np.array([np.ravel(a) for a in (rays.x, rays.y, rays.z)], float)
-    direction = np.array([np.ravel(a) for a in (rays.l, rays.m, rays.n)], float)
-    momentum = direction * np.sqrt(np.asarray(jax.jit(squared_index)(*point)))
+    size = np.array([reach] * 3 + [1.0] * 3 + [reach])
+    # a first step that is far too long may meet numbers that overflow, and is then made shorter
+    with np.errstate(over="ignore", invalid="ignore"):
+        solved = solve_ivp(
+            slope,
+            (0.0, reach),
+            first.ravel(),
+            method="DOP853",
+            rtol=tolerance,
+            atol=np.repeat(FLOOR * tolerance * size, places.shape[1]),
+            dense_output=True,
+        )
+    if not solved.success:
+        raise AccuracyError(f"rays cannot be followed through this medium: {solved.message}; take a larger tolerance")
 
-    def rate(_: float, state: np.ndarray) -> np.ndarray:
-        return np.concatenate(rates(*state.reshape(2, 3, count))).ravel()
+    def state_at(t: np.ndarray) -> np.ndarray:
+        """(7, N) at one t for each ray."""
+        states = solved.sol(t).reshape(*first.shape, len(t))
+        return np.diagonal(states, axis1=1, axis2=2)
 
-    start = np.concatenate([point.ravel(), momentum.ravel()])
-    solved = solve_ivp(
-        rate,
-        (0.0, end),
-        start,
-        "DOP853",
-        dense_output=True,
-        max_step=abs(end) / steps,
-        rtol=tolerance,
-        atol=tolerance * ABSOLUTE * abs(end),
-    )
-    if not solved.success or not np.isfinite(solved.y[:, -1]).all():
-        raise RayError(f"the rays cannot be followed through this medium: {solved.message}")
-    return GradedPath(end, int(solved.nfev), solved.sol)
+    ends, met = _ends(solved.sol, state_at, boundary, reach, first.shape)
+    last = state_at(ends)
+    sampled = np.stack([state_at(part * ends)[:3] for part in np.linspace(0, 1, samples)], 1)
+    length = np.sqrt((last[3:6] ** 2).sum(0))
+    index = np.sqrt(_forces(field, *last[:3])[0])
+    failure = np.where(met, 0, failure_code(1, RayStatus.MISSED)).astype(np.int32)
+    end = Ray(*last[:3], *(last[3:6] / length), failure=jnp.asarray(failure), opl=last[6])
+    return Course(end, sampled, index, length / index - 1, solved.nfev)
+
+
+@jax.jit
+def _forces(field: Field, x: jax.Array, y: jax.Array, z: jax.Array) -> tuple[jax.Array, jax.Array]:
+    """n^2, (N,), and half its gradient, (3, N)."""
+    square, back = jax.vjp(field.square, x, y, z)
+    return square, jnp.stack(back(jnp.full_like(square, 0.5)))
+
+
+def _ends(
+    states_at: Callable[[np.ndarray], np.ndarray],
+    state_at: Callable[[np.ndarray], np.ndarray],
+    boundary: Boundary,
+    reach: float,
+    shape: tuple[int, ...],
+) -> tuple[np.ndarray, np.ndarray]:
+    """The t of every ray where it first leaves through the boundary, (N,), or the last one; and whether it does.
+
+    states_at: (7 N, T) of times (T,).      state_at: (7, N) of one time for each ray.      shape: (7, N).
+    """
+    times = reach * np.linspace(0, 1, LOOKS) ** 2
+    looks = states_at(times).reshape(*shape, LOOKS)
+    heights = np.stack([boundary(now[:3], now[3:6]) for now in np.moveaxis(looks, -1, 0)])
+    leaves = (heights[:-1] < 0) & (heights[1:] >= 0)
+    met, place = leaves.any(0), leaves.argmax(0)
+    before = np.where(met, times[place], reach)
+    behind = np.where(met, times[place + 1], reach)
+    for _ in range(HALVINGS):
+        middle = (before + behind) / 2
+        now = state_at(middle)
+        outside = boundary(now[:3], now[3:6]) >= 0
+        before, behind = np.where(outside, before, middle), np.where(outside, middle, behind)
+    return behind, np.asarray(met)

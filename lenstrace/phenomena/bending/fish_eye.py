@@ -1,13 +1,13 @@
-"""Maxwell's fish-eye: a medium without surfaces in which every point has a perfect image.
+"""Maxwell's fish-eye: a medium in which every ray is a circle, and every point has a perfect image.
 
-With n = n0 / (1 + r^2 / a^2) all rays are circles. Those from a point at the distance s from the centre meet again on
-the other side at a^2 / s, each after the path
+In n = n0 / (1 + r^2 / R^2) all rays from a point at the distance a on one side of the centre meet at the distance
 
-    L = pi n0 a / 2,
+    b = R^2 / a
 
-and the ray that leaves at the angle t to the line through the centre is on a circle of radius
-(a^2 / s + s) / (2 sin t).
-Source: Maxwell (1854); Born & Wolf, Principles of Optics (7th ed.), section 4.2.2.
+on the other side, after the optical path pi n0 R / 2 (half a great circle of the sphere that the plane is a
+stereographic projection of). With the z axis from the point to its image, D = a + b, a ray that leaves under the angle
+t is an arc of the circle through both with the radius D / (2 sin t); it arrives under -t.
+Source: J. C. Maxwell, Camb. Dublin Math. J. 8, 188 (1854); Born & Wolf, Principles of Optics, section 4.2.2.
 """
 
 from __future__ import annotations
@@ -16,93 +16,116 @@ import math
 from typing import Annotated
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 
-from lenstrace.analysis.rays import ray
-from lenstrace.optics.graded import follow
-from lenstrace.optics.rays import Ray
+from lenstrace.compute.pytree import pytree
+from lenstrace.optics.graded import Course, through
+from lenstrace.optics.rays import living
+from lenstrace.phenomena.bending.tolerance import GROWTH, STEP_ERROR, Cost, cost
 from lenstrace.phenomena.demonstration import Comparison, Demonstration, result
 from lenstrace.phenomena.options import Option, demonstration
 
-DRAWN = 241  # points of a drawn ray
-ANGLES = np.radians([20.0, 45.0, 70.0, 90.0, 110.0, 135.0, 160.0])
-EQUAL = 1e-8  # of the lengths
-LONGEST = 1.7  # of n0 a: a little more than pi / 2
+SAMPLES = 101  # along each ray, drawn and compared
+# Rays are followed so much longer than the closed form says they take.
+LONGER = 1.2
 
 
 @result
 class FishEye(Demonstration):
-    """Rays of one point; mm, from the centre.
+    """Rays from the point to its image, about the centre of the medium; mm.
 
-    scale:             a.        source, image: z of the point and of its image.
-    ray_z, ray_y:      (K, N), up to the image and on.
-    angles:            (N,), radians.       misses: (N,), by which each misses the image.
+    radius:        R, where the index is half that at the centre.
+    source, image: z of them, both with y = 0.
+    ray_z, ray_y:  (samples, N), the course of N rays.
+    cost:          of tolerances: error of the image, in units of its distance from the point.
     """
 
-    scale: float
+    radius: float
     source: float
     image: float
     ray_z: np.ndarray
     ray_y: np.ndarray
-    angles: np.ndarray
-    misses: np.ndarray
+    cost: Cost
+
+
+@pytree
+class Medium:
+    """n = n0 / (1 + r^2 / R^2)."""
+
+    index: jax.Array | float
+    radius: jax.Array | float
+
+    def square(self, x: jax.Array, y: jax.Array, z: jax.Array) -> jax.Array:
+        """n^2 at points, mm."""
+        return (self.index / (1 + (x * x + y * y + z * z) / (self.radius * self.radius))) ** 2
 
 
 @demonstration
 def fish_eye(
-    index: Annotated[float, Option("refractive index n0 at the centre", above=0, most=10, slider=(1, 3))] = 2.0,
-    scale: Annotated[float, Option("radius a where the index is half of it", "mm", least=1e-3, most=1e6)] = 10.0,
-    source: Annotated[float, Option("distance of the source, in units of a", least=0.3, most=3, slider=(0.3, 3))] = 0.5,
+    source: Annotated[float, Option("distance of the point from the centre, in radii", least=0.2, most=5)] = 0.6,
+    spread: Annotated[float, Option("angle of the outermost rays to the image", "deg", above=0, most=120)] = 100.0,
+    rays: Annotated[int, Option("rays on either side", least=1, most=50)] = 8,
+    index: Annotated[float, Option("refractive index at the centre", least=0.1, most=10)] = 2.0,
+    radius: Annotated[float, Option("where the index is half of that", "mm", least=1e-3, most=1e6)] = 20.0,
+    tolerance: Annotated[float, STEP_ERROR] = 1e-12,
 ) -> FishEye:
-    """Maxwell's fish-eye: rays are circles, and every point has an image."""
+    """Maxwell's fish-eye: rays are circles, and every point has a perfect image."""
+    before, behind = source * radius, radius / source
+    apart = before + behind
+    # as many on either side, none along the axis itself, which it would never leave
+    angles = np.radians(spread) * np.linspace(-1, 1, 2 * rays)
+    side, zero = np.sign(angles), np.zeros(2 * rays)
+    start = living(*map(jnp.asarray, (zero, zero, zero - before, zero, np.sin(angles), np.cos(angles))))
+    reach = LONGER * _longest(before, behind, angles) / index
 
-    def squared(x: jax.Array, y: jax.Array, z: jax.Array) -> jax.Array:
-        return 1 / (1 + x * x + y * y + z * z) ** 2
+    def back_on_axis(points: np.ndarray, _: np.ndarray) -> np.ndarray:
+        return -side * points[1]
 
-    # all in units of a and n0
-    zero = 0 * ANGLES
-    rays = ray((zero, zero, zero - source), (zero, np.sin(ANGLES), np.cos(ANGLES)))
-    path = follow(squared, rays, LONGEST)
-    there = path.first(_beyond)
-    paths = np.asarray(there.opl)
-    image = 1 / source
-    radius = (image + source) / (2 * np.sin(ANGLES))
-    # the centre of a circle through source and image lies between them, and off the axis away from where the ray goes
-    centre = (image - source) / 2, radius * np.cos(ANGLES) * -1
-    drawn = path.at(np.linspace(0, 1, DRAWN)[:, None] * paths)
-    off = np.hypot(drawn.z - centre[0], drawn.y - centre[1]) / radius - 1
-    rows = []
-    for at, angle in enumerate(np.degrees(ANGLES)):
-        label = f"ray at {angle:.4g} deg"
-        rows += [
-            Comparison(
-                f"{label}: crosses the axis at", "mm", float(there.z[at]) * scale, image * scale, EQUAL * scale * image
-            ),
-            Comparison(
-                f"{label}: path to there",
-                "mm",
-                float(paths[at]) * index * scale,
-                math.pi / 2 * index * scale,
-                EQUAL * scale * index,
-            ),
-        ]
-    rows.append(
-        Comparison("largest distance from their circles, of the radius", "", float(np.abs(off).max()), 0.0, EQUAL)
-    )
+    def follow(tolerance: float, samples: int = 2) -> Course:
+        return through(Medium(index, radius), start, reach, back_on_axis, tolerance=tolerance, samples=samples)
+
+    def farthest(course: Course) -> float:
+        """From the image, in units of its distance from the point."""
+        return float(np.hypot(course.points[1, -1], course.points[2, -1] - behind).max() / apart)
+
+    course = follow(tolerance, SAMPLES)
+    _, y, z = course.points
+    # of the circle's equation, divided by the length of its gradient
+    off_circle = ((z + before) * (z - behind) + y * y) * np.sin(angles) / apart + y * np.cos(angles)
+    path, path_theory = np.asarray(course.end.opl), math.pi * index * radius / 2
+    within = GROWTH * tolerance
     return FishEye(
-        setting=f"a medium of index {index:g} at its centre and half of that {scale:g} mm from it, a point "
-        f"{source * scale:g} mm from the centre",
-        rows=tuple(rows),
-        scale=scale,
-        source=-source * scale,
-        image=image * scale,
-        ray_z=scale * np.asarray(drawn.z),
-        ray_y=scale * np.asarray(drawn.y),
-        angles=ANGLES,
-        misses=scale * np.abs(np.asarray(there.z) - image),
+        setting=f"a medium of index {index:g} / (1 + r^2 / R^2), R = {radius:g} mm, and {2 * rays} rays from a point "
+        f"{before:g} mm from its centre",
+        rows=(
+            Comparison("distance of the image from the centre", "mm", z[-1, -1], behind, within * apart),
+            Comparison("farthest ray from the image", "mm", farthest(course) * apart, 0, within * apart),
+            Comparison("farthest departure from a circle", "mm", abs(off_circle).max(), 0, within * apart),
+            Comparison("shortest optical path", "mm", path.min(), path_theory, within * path_theory),
+            Comparison("longest optical path", "mm", path.max(), path_theory, within * path_theory),
+            Comparison(
+                "angle of the outermost ray at the image",
+                "deg",
+                math.degrees(math.atan2(course.end.m[-1], course.end.n[-1])),
+                -spread,
+                math.degrees(within),
+            ),
+            Comparison("largest departure of |dr/dt| from the index, relative", "", abs(course.drift).max(), 0, within),
+        ),
+        radius=radius,
+        source=-before,
+        image=behind,
+        ray_z=z,
+        ray_y=y,
+        cost=cost(follow, farthest),
     )
 
 
-def _beyond(ray: Ray) -> np.ndarray:
-    """Above 0 once a ray that set out upward is below the axis, on the far side of the centre."""
-    return np.where(np.asarray(ray.z) > 0, -np.asarray(ray.y), -1.0)
+def _longest(before: float, behind: float, angles: np.ndarray) -> float:
+    """The largest t that a ray of n0 = 1 takes to the image, mm: the integral of ds / n along its circle."""
+    half = np.linspace(0, 1, SAMPLES)[:, None] * angles
+    chord = (before + behind) * np.sin(half) / np.sin(angles)
+    y, z = chord * np.sin(angles - half), chord * np.cos(angles - half) - before
+    lengths = (before + behind) * angles / np.sin(angles)
+    return float((lengths * (1 + (y * y + z * z) / (before * behind)).mean(0)).max())

@@ -1,98 +1,120 @@
-"""The Luneburg lens: a ball whose index falls outward so that it focuses a beam on its own far side.
+"""Luneburg's lens: a ball without edges in its index, that brings every parallel beam to a point of its surface.
 
-With n^2 = 2 - r^2 / R^2, which is 1 at the surface, a ray moves like a mass on a spring: all rays of a beam come to the
-point of the surface opposite to where the beam comes from, and all paths to there are equal:
+With n^2 = 2 - r^2 / R^2 the equation d^2 r / dt^2 = -r / R^2 of a ray (see `optics.graded`) is that of an oscillator:
 
-    L = R (1 + pi / 2)      from the plane that touches the ball in front.
+    r(t) = s cos(t / R) + R d sin(t / R)
 
-Source: Luneburg, Mathematical Theory of Optics (1944, reprinted 1964), section 29.
+for a ray that enters at s in the direction d: an ellipse about the centre. All rays of a beam are at R d when
+t = pi R / 2, each under the angle to d under which it met the surface, all after the optical path R (1 + pi / 2) from
+the plane that touches the ball.
+Source: R. K. Luneburg, Mathematical Theory of Optics (1944), section 29.
 """
 
 from __future__ import annotations
 
+import math
 from typing import Annotated
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 
-from lenstrace.analysis.rays import ray
-from lenstrace.optics.graded import GradedPath, follow
-from lenstrace.optics.rays import Ray
+from lenstrace.compute.pytree import pytree
+from lenstrace.optics.graded import Course, through
+from lenstrace.optics.rays import living
+from lenstrace.phenomena.bending.tolerance import GROWTH, STEP_ERROR, Cost, cost
 from lenstrace.phenomena.demonstration import Comparison, Demonstration, result
 from lenstrace.phenomena.options import Option, demonstration
 
-RAYS = 16  # drawn; none of them on the axis
-STEPS = (2, 4, 6, 9, 14, 20, 30, 45, 70)  # of the method, for the plot of what accuracy costs
-FINEST = 100
-LOOSE = 1.0  # a tolerance that asks for no more steps
-LONGEST = 2.7  # of the radius: a little more than the 1 + pi / 2 of the ray in the middle
-DRAWN = 120  # points of a drawn ray
-FOCUS = 1e-8  # of the radius
+REACH = 2.0  # radii, of t; rays end at pi / 2
+SAMPLES = 41  # along each ray, drawn and compared
+BEFORE = 0.7  # radii before the ball where the drawn beam begins
 
 
 @result
 class Luneburg(Demonstration):
-    """A beam through the ball; mm, from its centre.
+    """Rays through the ball, about its centre; mm.
 
-    radius.
-    ray_z, ray_y:    (K, N), the course of the rays, nan beyond the ball.
-    evaluations, errors:  (Q,), how often the method asked for the gradient; and by how much the rays then miss, mm.
+    radius:        of the ball.                  focus: (2,), z and y of it.
+    ray_z, ray_y:  (samples + 1, N), the course of N rays.
+    cost:          of tolerances: error of the focus in radii.
     """
 
     radius: float
+    focus: np.ndarray
     ray_z: np.ndarray
     ray_y: np.ndarray
-    evaluations: np.ndarray
-    errors: np.ndarray
+    cost: Cost
+
+
+@pytree
+class Ball:
+    """n^2 = 2 - r^2 / R^2."""
+
+    radius: jax.Array | float
+
+    def square(self, x: jax.Array, y: jax.Array, z: jax.Array) -> jax.Array:
+        """n^2 at points, mm."""
+        return 2 - (x * x + y * y + z * z) / (self.radius * self.radius)
 
 
 @demonstration
 def luneburg(
-    radius: Annotated[float, Option("radius of the ball", "mm", least=1e-3, most=1e6, slider=(1, 100))] = 10.0,
-    height: Annotated[float, Option("outermost ray, of the radius", above=0, most=0.999, slider=(0.1, 0.99))] = 0.95,
+    radius: Annotated[float, Option("radius of the ball", "mm", least=1e-3, most=1e6, slider=(1, 100))] = 20.0,
+    aperture: Annotated[float, Option("height of the outermost ray, in radii", above=0, most=0.999)] = 0.95,
+    angle: Annotated[float, Option("direction of the beam, against the axis", "deg", least=-180, most=180)] = 10.0,
+    rays: Annotated[int, Option("rays of the beam", least=2, most=101)] = 15,
+    tolerance: Annotated[float, STEP_ERROR] = 1e-12,
 ) -> Luneburg:
-    """The Luneburg lens: a graded ball that focuses a beam without aberration."""
-    y = height * np.linspace(-1, 1, RAYS)
-    finest = _followed(y, FINEST)
-    focus = finest.first(_beyond)
-    paths = 1 - np.sqrt(1 - y * y) + focus.opl
-    within = FOCUS * radius
-    rows = []
-    for at in (RAYS // 2 + RAYS // 4, RAYS - 1):
-        label = f"ray at {y[at] * radius:.4g} mm"
-        rows += [
-            Comparison(f"{label}: leaves the ball at y", "mm", float(focus.y[at]) * radius, 0.0, within),
-            Comparison(f"{label}: and at z", "mm", float(focus.z[at]) * radius, radius, within),
-            Comparison(
-                f"{label}: path from the front plane", "mm", float(paths[at]) * radius, (1 + np.pi / 2) * radius, within
-            ),
-        ]
-    trials = [_followed(y, steps, LOOSE) for steps in STEPS]
-    drawn = finest.at(np.linspace(0, 1, DRAWN)[:, None] * np.asarray(focus.opl))
+    """Luneburg's lens: a graded ball that focuses every parallel beam on its surface."""
+    sine, cosine = math.sin(math.radians(angle)), math.cos(math.radians(angle))
+    # y and z of the direction of the beam, and of the one across it
+    along, across = np.array([[sine], [cosine]]), np.array([[cosine], [-sine]])
+    heights = np.linspace(-aperture, aperture, rays)
+    depths = np.sqrt(1 - heights**2)
+    entry = radius * (heights * across - depths * along)
+    zero = np.zeros(rays)
+    start = living(*map(jnp.asarray, (zero, *entry, zero, *(along + zero))))
+
+    def leaving(points: np.ndarray, _: np.ndarray) -> np.ndarray:
+        return (points**2).sum(0) - radius**2
+
+    def follow(tolerance: float, samples: int = 2) -> Course:
+        return through(Ball(radius), start, REACH * radius, leaving, tolerance=tolerance, samples=samples)
+
+    def farthest(course: Course) -> float:
+        """From the focus, in radii."""
+        return float(np.hypot(*(course.points[1:, -1] / radius - along)).max())
+
+    course = follow(tolerance, SAMPLES)
+    phase = np.linspace(0, math.pi / 2, SAMPLES)[:, None]
+    ellipse = entry[:, None] * np.cos(phase) + radius * along[:, None] * np.sin(phase)
+    off_ellipse = np.hypot(*(course.points[1:] - ellipse)).max()
+    path = np.asarray(course.end.opl) + radius * (1 - depths)
+    arrival = (np.stack([course.end.m, course.end.n])[:, -1:] * np.hstack([across, along])).sum(0)
+    within = GROWTH * tolerance
+    path_theory = radius * (1 + math.pi / 2)
+    drawn = np.concatenate([(entry - (BEFORE + 1 - depths) * radius * along)[:, None], course.points[1:]], 1)
     return Luneburg(
-        setting=f"a beam of {2 * height * radius:g} mm meets a ball of radius {radius:g} mm and n^2 = 2 - r^2 / R^2",
-        rows=tuple(rows),
+        setting=f"a ball of radius {radius:g} mm whose index falls from 1.414 at its centre to 1 at its surface; a "
+        f"parallel beam of {rays} rays at {angle:g} deg",
+        rows=(
+            Comparison("farthest ray from the focus", "mm", farthest(course) * radius, 0, within * radius),
+            Comparison("farthest departure from an ellipse", "mm", off_ellipse, 0, within * radius),
+            Comparison("shortest optical path of the beam", "mm", path.min(), path_theory, within * radius),
+            Comparison("longest optical path of the beam", "mm", path.max(), path_theory, within * radius),
+            Comparison(
+                "angle of the outermost ray at the focus, against the beam",
+                "deg",
+                math.degrees(math.atan2(*arrival)),
+                -math.degrees(math.asin(aperture)),
+                math.degrees(within),
+            ),
+            Comparison("largest departure of |dr/dt| from the index, relative", "", abs(course.drift).max(), 0, within),
+        ),
         radius=radius,
-        ray_z=radius * np.concatenate([np.full((1, RAYS), -1.5), drawn.z]),
-        ray_y=radius * np.concatenate([y[None], drawn.y]),
-        evaluations=np.array([trial.evaluations for trial in trials]),
-        errors=radius * np.array([np.abs(trial.first(_beyond).y).max() for trial in trials]),
+        focus=radius * along[::-1, 0],
+        ray_z=drawn[1],
+        ray_y=drawn[0],
+        cost=cost(follow, farthest),
     )
-
-
-def _squared_index(x: jax.Array, y: jax.Array, z: jax.Array) -> jax.Array:
-    """In units of the radius."""
-    return 2 - (x * x + y * y + z * z)
-
-
-def _followed(y: np.ndarray, steps: int, tolerance: float = 1e-13) -> GradedPath:
-    """A beam along z from the surface of the unit ball on."""
-    zero = 0 * y
-    beam = ray((zero, y, -np.sqrt(1 - y * y)), (zero, zero, zero + 1))
-    return follow(_squared_index, beam, LONGEST, tolerance=tolerance, steps=steps)
-
-
-def _beyond(ray: Ray) -> np.ndarray:
-    """Above 0 outside the ball, behind it."""
-    outside = np.asarray(ray.x**2 + ray.y**2 + ray.z**2) - 1
-    return np.where(np.asarray(ray.z) > 0, outside, -1.0)

@@ -1,117 +1,228 @@
-"""A mirage: a hot road is a mirror to those who look at it flatly enough.
+"""A mirage: over a hot road the index rises with height, and light from the sky or a car is bent up to the eye.
 
-Above the road n^2 = N^2 - D exp(-y / h), lower by D at the ground. A ray keeps b = n cos t, t its angle to the
-horizontal, and is turned back where n = b, at the height and after the distance
+With y the height above the road, n n(y) the index relative to the cool air and C = n cos t kept along every ray,
+q = n sin t downward at the eye's height e, all rays are known (see `optics.graded` for the parameter t = z / C):
 
-    y_t = h ln(D / A),      x_t = 2 b h arcosh(exp((y - y_t) / 2h)) / sqrt(A),      A = N^2 - b^2,
+    n^2 = 1 - F exp(-y / h):     y = h ln((F / E) cosh^2(sqrt(E) (t - T) / 2h)),  E = q^2 + F exp(-e / h),
+                                 T = (2 h / sqrt(E)) arsinh(q / sqrt(F exp(-e / h)));
+    n^2 = 1 - F + F y / h:       y = e - q t + F t^2 / 4h,  a parabola,  T = 2 h q / F.
 
-from where it comes down at the height y; beyond it goes up as it came down. With A > D it meets the road.
-Source: from b dy/dx = sqrt(n^2 - b^2); Tape, Sci. Am. 252 (6), 120 (1985), on the phenomenon.
+They turn upward at t = T and are back at the height e at t = 2 T; those that would turn below 0 end on the road.
+n - 1 of air is inverse to its absolute temperature (Gladstone and Dale).
+Source: derived from the conserved n cos t; for the phenomenon M. Minnaert, Light and Color in the Outdoors (1993).
 """
 
 from __future__ import annotations
 
 import math
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
-from lenstrace.analysis.rays import ray
+from lenstrace.compute.pytree import pytree
 from lenstrace.errors import OptionError
-from lenstrace.optics.graded import follow
+from lenstrace.optics.graded import FLOOR, through
+from lenstrace.optics.rays import Ray, living
+from lenstrace.phenomena.bending.tolerance import GROWTH, STEP_ERROR
 from lenstrace.phenomena.demonstration import Comparison, Demonstration, result
 from lenstrace.phenomena.options import Option, demonstration
 
-AIR = 1.000277  # index at 15 C, 101325 Pa, 0.589 um: Ciddor, Appl. Opt. 35, 1566 (1996)
-SHARES = np.array([0.3, 0.5, 0.7, 0.9, 0.99])  # of the steepest angle that is turned back
-DRAWN = 300  # points of a drawn ray
-WITHIN = 1e-10  # of the height of the eye, and of the distance
-SHALLOW = 1e-7  # of a distance: where a ray is lowest is as uncertain as the root of how low
+EXPONENTIAL, LINEAR = "exponential", "linear"
+# n - 1 of air at 15 degrees Celsius and 1013 hPa in yellow light; the zero of Celsius in kelvin.
+REFRACTIVITY, STANDARD_KELVIN, ZERO_CELSIUS = 2.77e-4, 288.15, 273.15
+RAYS = 61  # to the object; every few of them are drawn
+SAMPLES = 201  # along each
+GRAZING = 0.9999  # of the steepest angle that clears the road
+TRIED = 2001  # angles, to find how much of the object to show
+HIGHER = 1.1  # than the eye and than what is seen upside down, the object is shown
+CONSERVED = 100.0  # times the tolerance of a step: what n cos t may change by
+LONGER = 1.1  # than the closed form says, rays are followed
 
 
 @result
 class Mirage(Demonstration):
-    """Rays to an eye above a road; metres, x along the road away from the eye, y upward.
+    """Rays from the eye to a distant object, traced against the light; lengths in m, they are those of a road.
 
-    ray_x, ray_y:    (K, N), nan beyond where they are as high as the eye again.
-    eye:             height.     angles: (N,), below the horizontal, milliradians.
-    turning:         (N,), heights where they are turned back.      steepest: of those angles, milliradians.
-    heights, index:  (P,), the profile of the index, less 1, in millionths.
+    layer:           height of the warm layer.
+    ray_z, ray_y:    (samples, N), the course of N rays from the eye, lowest first.
+    angles:          (N,), at the eye above the horizontal, radians.
+    heights, heights_theory:  (N,), where on the object they end.
+    inverted:        (N,), True where a higher point of the object is seen lower.
     """
 
-    ray_x: np.ndarray
+    layer: float
+    ray_z: np.ndarray
     ray_y: np.ndarray
-    eye: float
     angles: np.ndarray
-    turning: np.ndarray
-    steepest: float
     heights: np.ndarray
-    index: np.ndarray
+    heights_theory: np.ndarray
+    inverted: np.ndarray
+
+
+@pytree
+class Exponential:
+    """n^2 = 1 - F exp(-y / h)."""
+
+    fall: jax.Array | float
+    layer: jax.Array | float
+
+    def square(self, _x: jax.Array, y: jax.Array, _z: jax.Array) -> jax.Array:
+        """n^2 at points, m."""
+        return 1 - self.fall * jnp.exp(-y / self.layer)
+
+
+@pytree
+class Linear:
+    """n^2 = 1 - F + F y / h."""
+
+    fall: jax.Array | float
+    layer: jax.Array | float
+
+    def square(self, _x: jax.Array, y: jax.Array, _z: jax.Array) -> jax.Array:
+        """n^2 at points, m."""
+        return 1 - self.fall + self.fall * y / self.layer
+
+
+class _Theory(NamedTuple):
+    """Of rays at several angles: C, where they turn (z and height) and where they are at a distance; m."""
+
+    invariant: np.ndarray
+    turn: np.ndarray
+    lowest: np.ndarray
+    height: np.ndarray
 
 
 @demonstration
 def mirage(
-    contrast: Annotated[
-        float, Option("index less at the ground, millionths", above=0, most=200, slider=(5, 60))
-    ] = 30.0,
-    layer: Annotated[
-        float, Option("height of the hot layer (to 1/e)", "m", least=1e-3, most=10, slider=(0.05, 1))
-    ] = 0.3,
-    eye: Annotated[float, Option("height of the eye", "m", above=0, most=100, slider=(0.5, 3))] = 1.5,
+    profile: Annotated[str, Option("how n^2 rises with height", choices=(EXPONENTIAL, LINEAR))] = EXPONENTIAL,
+    road: Annotated[float, Option("temperature of the road", "deg C", least=-50, most=200)] = 60.0,
+    air: Annotated[float, Option("temperature of the air above", "deg C", least=-50, most=60)] = 30.0,
+    layer: Annotated[float, Option("height of the warm layer", "m", least=0.02, most=5)] = 0.1,
+    eye: Annotated[float, Option("height of the eye", "m", least=0.1, most=10)] = 1.5,
+    distance: Annotated[float, Option("distance of the object", "m", least=1, most=1e5, slider=(300, 2000))] = 500.0,
+    angles: Annotated[tuple[float, ...], Option("rays of the table, downward", "deg", least=1e-3, most=30)] = (
+        *(0.1, 0.25, 0.38),
+    ),
+    tolerance: Annotated[float, STEP_ERROR] = 1e-12,
 ) -> Mirage:
-    """A mirage: rays turned back by hot air above a road, by their closed form."""
-    # in units of the height of the layer
-    drop, height = contrast * 1e-6 * (2 * AIR - contrast * 1e-6), eye / layer
-    at_eye = AIR**2 - drop * math.exp(-height)
-    # sin^2 of the angle whose ray is turned back at the ground, A = D
-    steepest = math.asin(math.sqrt(drop * (1 - math.exp(-height)) / at_eye))
-    if steepest == 0:
-        raise OptionError("mirage: no ray is turned back above the road; give more contrast, or an eye above the road")
-    angles = SHARES * steepest
-    momentum = np.sqrt(at_eye) * np.cos(angles)
-    # A = N^2 - b^2 as a sum of what does not cancel
-    excess = drop * math.exp(-height) + at_eye * np.sin(angles) ** 2
-    turning = np.log(drop / excess)
-    half = 2 * momentum * np.arccosh(np.exp((height - turning) / 2)) / np.sqrt(excess)
+    """A mirage over a hot road: rays that turn before they reach it, and an image upside down.
 
-    def squared(x: jax.Array, y: jax.Array, z: jax.Array) -> jax.Array:
-        return AIR**2 - drop * jnp.exp(-y) + 0 * (x + z)
+    OptionError where the road is not the warmer, a ray of the table ends on it, or the object is too near.
+    """
+    fall = _fall(road, air)
+    steepest = _steepest(profile, fall, layer, eye)
+    below = np.radians(angles)
+    if below.max() >= steepest:
+        raise OptionError(
+            f"mirage: the ray at {math.degrees(below.max()):.4g} deg ends on the road; keep all below "
+            f"{math.degrees(steepest):.4g} deg"
+        )
+    nearest = _theory(profile, fall, layer, eye, np.array([steepest]), distance).turn[0]
+    if distance <= nearest:
+        raise OptionError(
+            f"mirage: no ray is bent upward before the object {distance:g} m away; put it farther than {nearest:.4g} m"
+        )
+    seen = _seen(profile, fall, layer, eye, distance, GRAZING * steepest)
+    theory = _theory(profile, fall, layer, eye, below, distance)
+    of_object = _theory(profile, fall, layer, eye, -seen, distance)
 
-    zero = 0 * angles
-    rays = ray((zero, zero + height, zero), (zero, -np.sin(angles), np.cos(angles)))
-    path = follow(squared, rays, 1.05 * AIR * 2 * float(half.max()))
-    lowest = path.first(lambda ray: np.asarray(ray.m))
-    back = path.first(lambda ray: np.where(np.asarray(ray.m) > 0, np.asarray(ray.y) - height, -1.0))
+    field = (Exponential if profile == EXPONENTIAL else Linear)(fall, layer)
+    count = len(below)
+
+    def turned_or_back(points: np.ndarray, momenta: np.ndarray) -> np.ndarray:
+        """Half of the rays end where they turn, the others where they are back at the height of the eye."""
+        return np.concatenate([momenta[1, :count], points[1, count:] - eye])
+
+    def at_object(points: np.ndarray, _: np.ndarray) -> np.ndarray:
+        return points[2] - distance
+
+    back_at = 2 * theory.turn
+    reach = LONGER * (back_at / theory.invariant).max()
+    # an error of the height moves the place where a flat ray is back
+    back_within = GROWTH * tolerance * (back_at + FLOOR * reach / np.sin(below))
+    table = through(field, _from_eye(eye, -np.tile(below, 2)), reach, turned_or_back, tolerance=tolerance)
+    reach = LONGER * distance / of_object.invariant.min()
+    drawn = through(field, _from_eye(eye, seen), reach, at_object, tolerance=tolerance, samples=SAMPLES)
+
+    turn, back = np.split(table.points[:, -1], 2, 1)
+    invariant = (table.end_index * np.asarray(table.end.n))[count:]
+    within = GROWTH * tolerance
     rows = []
-    for at, angle in enumerate(angles):
-        label = f"ray {1e3 * angle:.4g} mrad down"
+    for i, angle in enumerate(angles):
+        at = f"ray at {angle:.4g} deg"
         rows += [
-            Comparison(
-                f"{label}: turned back at height", "m", float(lowest.y[at]) * layer, turning[at] * layer, WITHIN * eye
-            ),
-            Comparison(
-                f"{label}: distance of that",
-                "m",
-                float(lowest.z[at]) * layer,
-                half[at] * layer,
-                SHALLOW * half[at] * layer,
-            ),
-            Comparison(f"{label}: as high as the eye again at", "m", float(back.z[at]) * layer, 2 * half[at] * layer),
+            Comparison(f"{at}: height where it turns", "m", turn[1, i], theory.lowest[i], within * eye),
+            Comparison(f"{at}: distance where it is back", "m", back[2, i], back_at[i], back_within[i]),
+            Comparison(f"{at}: n cos t there", "", invariant[i], theory.invariant[i], CONSERVED * tolerance),
         ]
-    drawn = path.at(np.linspace(0, 1, DRAWN)[:, None] * np.asarray(back.opl))
-    heights = np.linspace(0, 1.2 * eye, DRAWN)
+    heights = drawn.points[1, -1]
+    off = abs(heights - of_object.height).max()
+    rows.append(Comparison("largest departure of a ray from its height on the object", "m", off, 0, within * distance))
     return Mirage(
-        setting=f"an eye {eye:g} m above a road; the index is {contrast:g} millionths lower at the ground, 1/e of that "
-        f"{layer:g} m above it; rays up to {1e3 * steepest:.4g} mrad down are turned back",
+        setting=f"a road at {road:g} deg C, air at {air:g} deg C, {profile} in a layer of {layer:g} m; an eye "
+        f"{eye:g} m high, an object {distance:g} m away",
         rows=tuple(rows),
-        ray_x=layer * np.asarray(drawn.z),
-        ray_y=layer * np.asarray(drawn.y),
-        eye=eye,
-        angles=1e3 * angles,
-        turning=layer * turning,
-        steepest=1e3 * steepest,
+        layer=layer,
+        ray_z=drawn.points[2],
+        ray_y=drawn.points[1],
+        angles=seen,
         heights=heights,
-        index=1e6 * (np.sqrt(AIR**2 - drop * np.exp(-heights / layer)) - 1),
+        heights_theory=of_object.height,
+        inverted=np.gradient(heights, seen) < 0,
     )
+
+
+def _from_eye(eye: float, angles: np.ndarray) -> Ray:
+    """Rays at angles above the horizontal."""
+    zero = np.zeros(len(angles))
+    return living(*map(jnp.asarray, (zero, zero + eye, zero, zero, np.sin(angles), np.cos(angles))))
+
+
+def _fall(road: float, air: float) -> float:
+    """F, by how much n^2 relative to the air is less at the road."""
+    if road <= air:
+        raise OptionError(f"mirage: the road must be warmer than the air, got {road:g} and {air:g} deg C")
+    hot, cool = (REFRACTIVITY * STANDARD_KELVIN / (ZERO_CELSIUS + celsius) for celsius in (road, air))
+    return (cool - hot) * (2 + cool + hot) / (1 + cool) ** 2
+
+
+def _at_eye(profile: str, fall: float, layer: float, eye: float) -> tuple[float, float]:
+    """n^2 at the eye, and by how much that is more than at the road."""
+    if profile == EXPONENTIAL:
+        return 1 - fall * math.exp(-eye / layer), -fall * math.expm1(-eye / layer)
+    return 1 - fall + fall * eye / layer, fall * eye / layer
+
+
+def _steepest(profile: str, fall: float, layer: float, eye: float) -> float:
+    """The angle below the horizontal, radians, of the ray that turns on the road: there n cos t is the index."""
+    square, more = _at_eye(profile, fall, layer, eye)
+    return math.asin(math.sqrt(more / square))
+
+
+def _theory(profile: str, fall: float, layer: float, eye: float, below: np.ndarray, distance: float) -> _Theory:
+    """Rays at angles below the horizontal, radians; see the docstring of this file."""
+    index = math.sqrt(_at_eye(profile, fall, layer, eye)[0])
+    q, c = index * np.sin(below), index * np.cos(below)
+    t = distance / c
+    if profile == LINEAR:
+        turn = 2 * layer * q / fall
+        return _Theory(c, c * turn, eye - q * turn / 2, eye - q * t + fall * t**2 / (4 * layer))
+    here = fall * math.exp(-eye / layer)
+    root = np.sqrt(q * q + here)
+    turn = 2 * layer / root * np.arcsinh(q / math.sqrt(here))
+    lowest = layer * np.log(fall / root**2)
+    # ln cosh, which cosh itself would overflow in
+    phase = abs(root * (t - turn) / (2 * layer))
+    return _Theory(c, c * turn, lowest, lowest + 2 * layer * (phase + np.log1p(np.exp(-2 * phase)) - math.log(2)))
+
+
+def _seen(profile: str, fall: float, layer: float, eye: float, distance: float, steepest: float) -> np.ndarray:
+    """Angles above the horizontal, radians, (RAYS,), under which the object is seen: from the steepest to where the
+    upright image reaches higher than the inverted one, and than the eye."""
+    tried = np.linspace(-steepest, steepest + math.atan(2 * eye / distance), TRIED)
+    heights = _theory(profile, fall, layer, eye, -tried, distance).height
+    upright = np.arange(TRIED) > heights.argmin()
+    high = upright & (heights > HIGHER * max(heights[0], eye))
+    return np.linspace(-steepest, tried[high.argmax() if high.any() else -1], RAYS)

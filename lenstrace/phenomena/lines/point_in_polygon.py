@@ -74,9 +74,8 @@ def point_in_polygon(
     j, i = np.indices((grid, grid))
     near = NEAR + i * ROUNDING, NEAR + j * ROUNDING
     plain, exact = _plain(*near), np.sign(j - i)
-    one = np.ones((grid, grid))
-    (a_x, a_y), (b_x, b_y) = LINE
-    by_line = orientation((a_x * one, a_y * one), (b_x * one, b_y * one), near)
+    a, b = ((np.full((grid, grid), c_x), np.full((grid, grid), c_y)) for c_x, c_y in LINE)
+    by_line = orientation(a, b, near)
     by_triangle = inside(TRIANGLE, *near)
 
     def wrong(found: np.ndarray, right: np.ndarray | int) -> int:
