@@ -30,3 +30,33 @@ def test_snell_agrees_everywhere(angle: float, before: float, index: float) -> N
 def test_snell_refuses_an_index_that_is_nearly_0() -> None:
     with pytest.raises(OptionError, match=r"0\.1 or more, or -0\.1 or less, got 0\.01"):
         phenomena.snell(index=0.01)
+
+
+def test_critical_angle_of_glass() -> None:
+    assert_allclose(measured(phenomena.critical_angle(), "critical angle"), 41.8103148958, atol=5e-11)
+
+
+@pytest.mark.parametrize(("index", "outside"), [(5.0, 1.0), (5.0, 4.95), (1.01, 1.0), (1.51, 1.33)])
+def test_critical_angle_agrees_elsewhere(index: float, outside: float) -> None:
+    found = phenomena.critical_angle(index=index, index_outside=outside)
+    assert found.agrees, found
+
+
+def test_light_in_the_thinner_medium_is_never_reflected_totally() -> None:
+    for outside in (1.5, 2.0):
+        with pytest.raises(OptionError, match=r"make index at least 1\.01 times index_outside, got 1\.5 and"):
+            phenomena.critical_angle(index_outside=outside)
+
+
+def test_brewster_of_glass() -> None:
+    found = phenomena.brewster()
+    assert_allclose(measured(found, "Brewster's angle"), 56.309932474, atol=5e-10)
+    assert_allclose(measured(found, "at 45 deg: R_s"), 0.0920133630455, atol=5e-14)
+    assert_allclose(measured(found, "at 45 deg: R_p"), 0.00846645897895, atol=5e-15)
+    assert_allclose(measured(found, "light from all sides, outside: R"), 0.0917779593424, atol=5e-14)
+
+
+@pytest.mark.parametrize(("index", "angle"), [(1.05, 0.0), (5.0, 89.9), (1.333, 53.1)])
+def test_brewster_agrees_elsewhere(index: float, angle: float) -> None:
+    found = phenomena.brewster(index=index, angle=angle)
+    assert found.agrees, found
