@@ -1,5 +1,8 @@
 """Bending at a surface, prisms and rainbows against published figures; other options, limits, bad combinations."""
 
+from typing import Any
+
+import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
@@ -60,3 +63,43 @@ def test_brewster_of_glass() -> None:
 def test_brewster_agrees_elsewhere(index: float, angle: float) -> None:
     found = phenomena.brewster(index=index, angle=angle)
     assert found.agrees, found
+
+
+def test_prism_of_60_degrees() -> None:
+    found = phenomena.prism()
+    assert_allclose(measured(found, "least deviation"), 37.1807557815, atol=5e-11)
+    assert_allclose(measured(found, "angle there inside, to the first normal"), 30, atol=1e-12)
+    # SCHOTT's F2: n = 1.62004, 1.63208, 1.61503 at the lines d, F, C; D = 2 arcsin(n / 2) - 60
+    assert_allclose(measured(found, "F2: least deviation of the d line"), 48.1956, atol=2e-3)
+    # violet is bent more than red, and the ends of the spectrum are violet and red
+    assert (np.diff(found.deviation[40, 1:]) < 0).all()
+    red, green, blue = found.colours[[10, 25, 45]].argmax(1)
+    assert (red, green, blue) == (2, 1, 0)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"apex": 1.0, "glass": "WATER"},
+        {"apex": 23.5, "index": 4.9},
+        {"apex": 66.0, "index": 1.05},
+        {"apex": 70.0, "index": 1.743, "glass": "CAF2"},
+        {"apex": 40.0, "glass": "DIAMOND"},
+    ],
+)
+def test_prism_agrees_elsewhere(options: dict[str, Any]) -> None:
+    found = phenomena.prism(**options)
+    assert found.agrees, found
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"glass": "DIAMOND"}, r"no ray passes a prism of DIAMOND .* keep it below 48\.86"),
+        ({"index": 2.1}, r"no ray passes a prism of the index 2\.1 .* keep it below 56\.87"),
+        ({"apex": 75.5}, "some colours are reflected totally; make the apex angle smaller"),
+    ],
+)
+def test_prism_that_passes_no_light_is_refused(options: dict[str, Any], message: str) -> None:
+    with pytest.raises(OptionError, match=message):
+        phenomena.prism(**options)
