@@ -93,6 +93,7 @@ if TYPE_CHECKING:
     from lenstrace.plotting.mtf import plot_mtf, plot_mtf_field, plot_mtf_through_focus
     from lenstrace.plotting.psf import plot_encircled, plot_psf
     from lenstrace.plotting.rays import plot_rays
+    from lenstrace.plotting.sliders import explore
     from lenstrace.plotting.spot_curves import plot_spot_field, plot_spot_spectrum
     from lenstrace.plotting.spots import plot_spots
     from lenstrace.plotting.trade import plot_trade
@@ -149,6 +150,7 @@ __all__ = [
     "distortion_grid",
     "dumps",
     "encircled_energy",
+    "explore",
     "fans",
     "field_curvature",
     "first_order",
@@ -236,6 +238,7 @@ _IMPORTED_WHEN_USED = {
     "distortion_grid": "lenstrace.analysis.distortion",
     "dumps": "lenstrace.io.native",
     "encircled_energy": "lenstrace.analysis.encircled",
+    "explore": "lenstrace.plotting.sliders",
     "fans": "lenstrace.analysis.fans",
     "field_curvature": "lenstrace.analysis.field_curvature",
     "fit_zernike": "lenstrace.analysis.zernike",

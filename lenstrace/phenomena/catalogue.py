@@ -11,12 +11,20 @@ GROUPS = {
     "lenses": (
         "What a lens is",
         (
-            *("principal-planes", "lensmaker", "ball-lens", "aplanatic-points", "cartesian-oval", "parabola-mirror"),
+            "principal-planes",
+            "lensmaker",
+            "ball-lens",
+            "aplanatic-points",
+            "cartesian-oval",
+            "parabola-mirror",
             "achromat",
         ),
     ),
     "negative_index": ("Negative index", ("slab", "negative-prism", "negative-lens", "negative-waves")),
-    "bending": ("Bending at a surface, and on the way", ("snell", "rainbow", "mirage", "luneburg", "fish-eye")),
+    "bending": (
+        "Bending at a surface, and on the way",
+        ("snell", "critical-angle", "brewster", "prism", "rainbow", "mirage", "luneburg", "fish-eye"),
+    ),
     "screens": (
         "Thin phase screens",
         ("ideal-lens", "grating", "zernike-screen", "sampled-screen", "deformable-mirror", "point-mass"),

@@ -73,8 +73,8 @@ def negative_lens(
         )
     if height >= surroundings / abs(index):
         raise OptionError(
-            f"negative-lens: at index {index:g} in {surroundings:g} rays beyond {surroundings / -index:.4g} of the radius "
-            "are reflected totally; choose a smaller height"
+            f"negative-lens: at index {index:g} in {surroundings:g} rays beyond {surroundings / -index:.4g} of the "
+            "radius are reflected totally; choose a smaller height"
         )
     focal_length = surroundings * radius / (surroundings - index)
     indices = np.array([index, positive])
@@ -93,7 +93,7 @@ def negative_lens(
             rows.append(Comparison(quantity, "mm", found.crossing[place, at], theory[place, at]))
     depth = np.abs(radii) - np.sqrt(radii**2 - np.abs(heights).max(1) ** 2)
     return NegativeLens(
-        setting=f"a plano-concave lens of index {index:g}, radius {radius:g} mm, in an index of {surroundings:g}; beside it "
+        setting=f"a plano-concave lens of index {index:g}, radius {radius:g} mm, in an index of {surroundings:g}; and "
         f"a plano-convex one of index {positive:g} with the same focal length",
         rows=tuple(rows),
         indices=indices,

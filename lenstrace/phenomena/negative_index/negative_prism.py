@@ -7,9 +7,9 @@ N = n / n0, a ray of incidence i goes on inside at r and leaves the back face at
 
     dD/dn = sin A / (n0 cos r cos e),      dD/dA = N - 1 where A and i are 0.
 
-They hold for either sign of n. Source: M. Born and E. Wolf, Principles of Optics, section 4.7.2, where n0 = 1 and
-angles count otherwise; V. G. Veselago, Sov. Phys. Usp. 10, 509 (1968) for n < 0. By default it is the wedge in which negative
-refraction was first seen, with microwaves: R. A. Shelby, D. R. Smith and S. Schultz, Science 292, 77 (2001).
+They hold for either sign of n. By default it is the wedge in which negative refraction was first seen, by microwaves.
+Source: M. Born and E. Wolf, Principles of Optics, section 4.7.2, where n0 = 1 and angles count otherwise; V.
+G. Veselago, Sov. Phys. Usp. 10, 509 (1968) for n < 0; R. A. Shelby, D. R. Smith and S. Schultz, Science 292, 77 (2001).
 """
 
 from __future__ import annotations

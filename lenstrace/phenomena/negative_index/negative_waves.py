@@ -114,8 +114,8 @@ def negative_waves(
 
 @jax.jit
 def _phase(plate: Lens, heights: jax.Array, sine: jax.Array) -> tuple[Ray, jax.Array]:
-    """Rays of a plane wave at heights on the front face, and (2, N) the gradient of their optical path inside the plate,
-    along z and y, by automatic differentiation of where they are and of their path there."""
+    """Rays of a plane wave at heights on the front face, and (2, N) the gradient of their optical path inside the plate
+    along z and y: by automatic differentiation of where they are and of their path there."""
     zero, one = jnp.zeros_like(heights), jnp.ones_like(heights)
     incoming = plate.object_medium.index(0.5876) * sine
 
