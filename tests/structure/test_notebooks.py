@@ -20,6 +20,11 @@ def test_there_are_notebooks() -> None:
         "principal_planes_and_newton",
         "reading_the_aberrations_of_a_lens",
         "what_does_accuracy_cost",
+        "what_a_lens_is",
+        "negative_index",
+        "bending_at_a_surface",
+        "one_law_for_thin_things",
+        "straight_lines",
     }
     assert named <= {path.stem for path in NOTEBOOKS}
 
