@@ -9,7 +9,7 @@ from typing import Any
 # Folder: what the group is called, and the names in it.
 GROUPS = {
     "negative_index": ("Negative index", ("slab",)),
-    "bending": ("Bending at a surface", ("mirage", "luneburg", "fish-eye")),
+    "bending": ("Bending at a surface", ("fermat", "mirage", "luneburg", "fish-eye")),
     "lines": ("Straight lines", ("point-in-polygon",)),
 }
 PLACES = {name: group for group, (_, names) in GROUPS.items() for name in names}
