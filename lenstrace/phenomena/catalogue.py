@@ -23,7 +23,7 @@ GROUPS = {
     "negative_index": ("Negative index", ("slab", "negative-prism", "negative-lens", "negative-waves")),
     "bending": (
         "Bending at a surface, and on the way",
-        ("snell", "critical-angle", "brewster", "prism", "rainbow", "mirage", "luneburg", "fish-eye"),
+        ("snell", "critical-angle", "brewster", "prism", "rainbow", "fermat", "mirage", "luneburg", "fish-eye"),
     ),
     "screens": (
         "Thin phase screens",
