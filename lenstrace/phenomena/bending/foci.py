@@ -7,7 +7,7 @@ With N the unit normal on the side of the light, C the curvature of the surface 
 
 and the second derivative of the optical path by a displacement u of one corner alone, its neighbours at the distances s
 and s', is n cos^2 I / s + n' cos^2 I' / s' - C (n' d'.N - n d.N).
-Source: W. T. Welford, Aberrations of Optical Systems (1986), section 9.5; the second from the path's length.
+Source: W. T. Welford, Aberrations of Optical Systems (1986); the second from the path's length.
 """
 
 from __future__ import annotations

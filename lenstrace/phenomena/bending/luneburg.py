@@ -7,7 +7,7 @@ With n^2 = 2 - r^2 / R^2 the equation d^2 r / dt^2 = -r / R^2 of a ray (see `opt
 for a ray that enters at s in the direction d: an ellipse about the centre. All rays of a beam are at R d when
 t = pi R / 2, each under the angle to d under which it met the surface, all after the optical path R (1 + pi / 2) from
 the plane that touches the ball.
-Source: R. K. Luneburg, Mathematical Theory of Optics (1944), section 29.
+Source: R. K. Luneburg, Mathematical Theory of Optics (1944).
 """
 
 from __future__ import annotations

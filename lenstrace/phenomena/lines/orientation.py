@@ -4,7 +4,7 @@
 
 is positive where p is on the left of the line from a to b. In float64 its rounding error is at most (3 + 16 u) u times
 the sum of the two products' sizes, u = 2^-53; what is no larger is computed again in whole numbers, which do not round.
-Source: J. R. Shewchuk, Discrete Comput. Geom. 18, 305 (1997), section 4.3.
+Source: J. R. Shewchuk, Discrete Comput. Geom. 18, 305 (1997), ORIENT2D.
 """
 
 from __future__ import annotations
