@@ -36,3 +36,62 @@ def test_spot_of_a_perfect_slab() -> None:
 def test_total_reflection_is_refused() -> None:
     with pytest.raises(OptionError, match=r"reflected totally at the index -0\.5; keep all rays below 30 deg"):
         phenomena.slab(index=-0.5)
+
+
+def test_the_wedge_of_the_first_experiment() -> None:
+    """Shelby, Smith & Schultz, Science 292, 77 (2001): from a wedge of 18.43 deg light leaves at -61 deg."""
+    found = phenomena.negative_prism()
+    leaving = next(row.measured for row in found.rows if row.quantity == "n = -2.7: behind, from the normal")
+    assert leaving == pytest.approx(-61, abs=4)
+    assert phenomena.negative_prism(index=-1.0, apex=30.0, incidence=10.0).agrees
+
+
+@pytest.mark.parametrize(
+    "options", [{}, {"index": -1.7, "surroundings": 1.33, "height": 0.6}, {"positive": 1.2}, {"height": 0.99}]
+)
+def test_a_hollow_lens_of_negative_index_focuses(options: dict[str, float]) -> None:
+    found = phenomena.negative_lens(radius=100.0, **options)
+    assert found.agrees, found
+    assert found.focal_length > 0
+    assert found.rows[0].measured == pytest.approx(found.focal_length, rel=1e-12)
+
+
+def test_focal_length_of_minus_one_is_half_the_radius() -> None:
+    found = phenomena.negative_lens(index=-1.0, radius=30.0)
+    assert found.rows[0].measured == pytest.approx(15.0, rel=1e-14)
+    inner, outer = (abs(found.crossings[place, -1] - 15.0) for place in (0, 1))
+    assert inner < outer / 5
+
+
+def test_lenses_that_cannot_be_are_refused() -> None:
+    with pytest.raises(OptionError, match=r"rays beyond 0\.5 of the radius are reflected totally"):
+        phenomena.negative_lens(index=-2.0, height=0.6)
+    with pytest.raises(OptionError, match="has no power"):
+        phenomena.negative_lens(positive=1.0)
+
+
+@pytest.mark.parametrize(
+    "options", [{"angle": 0.0}, {"index": -1.0, "angle": 80.0}, {"index": 1.5}, {"index": -0.9, "surroundings": 1.5}]
+)
+def test_phase_goes_back_where_the_index_is_negative(options: dict[str, float]) -> None:
+    found = phenomena.negative_waves(**options)
+    assert found.agrees, found
+    forward = found.ray_z[2, 0] > found.ray_z[1, 0]
+    assert forward
+    assert (found.back[0] < 0) == (options.get("index", -1.5) < 0)
+
+
+def test_wavefronts_are_a_wavelength_apart_and_do_not_break_at_the_surface() -> None:
+    found = phenomena.negative_waves(index=-2.0, angle=40.0)
+    before, inside = found.front_z[0], found.front_z[1]
+    z, y = found.front_z[1], found.front_y[1]
+    seen = np.isfinite(z).all(1)
+    step = np.diff(np.stack([z[seen], y[seen]]), axis=1)
+    assert np.abs(np.einsum("cwn,c->wn", step, found.back)).max() == pytest.approx(0.5, rel=1e-12)
+    assert np.isfinite(before).any()
+    assert np.isfinite(inside).any()
+
+
+def test_waves_that_are_reflected_totally_are_refused() -> None:
+    with pytest.raises(OptionError, match="keep angle below 30 deg"):
+        phenomena.negative_waves(index=-0.5, angle=45.0)

@@ -56,4 +56,4 @@ def test_the_file_format_example_is_read() -> None:
     import lenstrace
 
     lens = lenstrace.loads(blocks("toml")[0].replace("[aperture]  ", "[aperture]"))
-    assert len(lens) == 8
+    assert len(lens) == 9
