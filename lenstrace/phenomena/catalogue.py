@@ -8,7 +8,7 @@ from typing import Any
 
 # Folder: what the group is called, and the names in it.
 GROUPS = {
-    "bending": ("Bending at a surface", ("snell", "critical-angle", "brewster", "prism")),
+    "bending": ("Bending at a surface", ("snell", "critical-angle", "brewster", "prism", "rainbow")),
     "negative_index": ("Negative index", ("slab",)),
 }
 PLACES = {name: group for group, (_, names) in GROUPS.items() for name in names}
