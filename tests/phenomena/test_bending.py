@@ -8,6 +8,7 @@ from numpy.testing import assert_allclose
 
 from lenstrace import OptionError, phenomena
 from lenstrace.phenomena.demonstration import Demonstration
+from lenstrace.phenomena.drop import spread
 
 
 def measured(found: Demonstration, quantity: str) -> float:
@@ -103,3 +104,44 @@ def test_prism_agrees_elsewhere(options: dict[str, Any]) -> None:
 def test_prism_that_passes_no_light_is_refused(options: dict[str, Any], message: str) -> None:
     with pytest.raises(OptionError, match=message):
         phenomena.prism(**options)
+
+
+def test_rainbow_of_water() -> None:
+    found = phenomena.rainbow()
+    assert_allclose(measured(found, "primary bow"), 42.0781, atol=5e-5)
+    assert_allclose(measured(found, "secondary bow"), 50.8908, atol=5e-5)
+    # Descartes, Les Meteores (1637), n = 250 / 187: 41 deg 30 min and 51 deg 54 min from the middle of the sun
+    descartes = phenomena.rainbow(index=250 / 187)
+    assert_allclose(measured(descartes, "primary bow"), 41 + 30 / 60, atol=0.02)
+    assert_allclose(measured(descartes, "secondary bow"), 51 + 54 / 60, atol=0.02)
+
+
+def test_the_sky_of_the_rainbow() -> None:
+    found = phenomena.rainbow()
+    angles, light = np.degrees(found.angles), found.luminance
+    within, beyond = light[angles < 40].mean(), light[angles > 54].mean()
+    dark = light[(angles > 43) & (angles < 49.5)]
+    assert within > 3 * beyond > 6 * dark.max()
+    # what the outside of a drop of n = 1.333 reflects at 67 degrees, half way between
+    assert_allclose(dark.mean(), 0.0207, atol=5e-4)
+    # red is outside in the primary, inside in the secondary
+    for low in (42.2, 50.6):
+        red, _, blue = found.colours[(angles > low) & (angles < low + 0.2)].mean(0)
+        assert red > 3 * blue
+
+
+def test_light_is_spread_over_the_sky_as_by_a_ball_that_mirrors() -> None:
+    # evenly: ds/dO = 1 / 4 everywhere, however the rays are chosen
+    inward = 0.6 * np.linspace(1, 0, 300) ** 2
+    impacts = np.array([[*inward, *np.linspace(0.6, 1, 300)]] * 2)
+    part = np.array([[1.0], [0.0]]) * np.ones_like(impacts)
+    edges = np.radians(np.linspace(5, 150, 30))
+    assert_allclose(spread(edges, 2 * np.arcsin(impacts), part, impacts), 1, atol=2e-3)
+
+
+@pytest.mark.parametrize("options", [{"index": 1.25}, {"index": 1.9}, {"sun": 0.05}, {"sun": 5.0}])
+def test_rainbow_agrees_elsewhere(options: dict[str, float]) -> None:
+    found = phenomena.rainbow(**options)
+    assert found.agrees, found
+    assert np.isfinite(found.colours).all()
+    assert len(found.angles) == len(found.luminance) == len(found.colours)

@@ -1,22 +1,23 @@
-"""The rainbow: sunlight that has been reflected once, or twice, inside a drop of water.
+"""The rainbow: light that enters a round drop, is reflected k times inside, and leaves, piles up at one angle.
 
-A ray that falls on a sphere at the angle i, runs inside at sin r = sin i / n and is reflected k times, is turned by
+A ray at the impact parameter b = sin i (in radii of the drop, sin i = n sin r) is turned by
 
-    D = 2 (i - r) + k (pi - 2 r),
+    T = 2 (i - r) + k (180 deg - 2 r),
 
-which has an extremum where cos^2 i = (n^2 - 1) / (k (k + 2)). There rays crowd: the drop shines brightly at the angle
-t = |pi - D| (from 0 to pi) about the point opposite to the sun. Light that falls in between b and b + db from the axis,
-b = sin i, leaves between t and t + dt, so that the drop's intensity is
+which is least where cos^2 i = (n^2 - 1) / (k (k + 2)). There neighbouring rays leave alike: the primary bow, k = 1,
+lies at 180 deg - T from the point opposite the sun, the secondary at T - 180 deg, and between them is Alexander's dark
+band. Per solid angle the drop sends back the cross section
 
-    I(t) = sum of (1 - R)^2 R^k b / (sin t |dt / db|),
+    ds/dO = b / (sin T |dT/db|)  times  (1 - R)^2 R^k,
 
-the mean over both polarizations with Fresnel's reflectances R. Between the two bows none of it goes: Alexander's band.
-Source: Descartes, Les Meteores (1637), discours 8; van de Hulst, Light Scattering by Small Particles (1957), 13.2.
+without bound at the bow itself; the sun's disc, half a degree wide, blurs that. R is Fresnel's reflectance, for each
+polarization the same at every surface. What the outside of a drop reflects, R / 4, is seen in the dark band. Waves, and
+with them the bows inside the primary, are left out, and light that is reflected more than twice.
+Source: H. C. van de Hulst, Light Scattering by Small Particles (1957), chapters 12 and 13; the angles are Descartes'.
 """
 
 from __future__ import annotations
 
-import functools
 import math
 from typing import Annotated
 
@@ -27,146 +28,157 @@ import numpy as np
 from lenstrace.optics.colour import encoded, srgb_of_xyz, within_gamut, xyz_of_wavelength
 from lenstrace.optics.fresnel import reflectances
 from lenstrace.optics.glasses import glass
-from lenstrace.optics.vectors import Vector, dot
 from lenstrace.phenomena.demonstration import Comparison, Demonstration, result
+from lenstrace.phenomena.drop import ORDERS, DropRays, spread, through_drop
 from lenstrace.phenomena.edge import edge
 from lenstrace.phenomena.options import Option, demonstration
-from lenstrace.phenomena.surface import reflected, refracted
 
-RED, VIOLET = 0.65, 0.42  # um: a bow is as wide as these are apart
-COLOURS = np.linspace(0.40, 0.70, 31)  # um, of sunlight in the picture
-SUN_KELVIN = 5772.0  # IAU 2015 resolution B3; as a black body
-SECOND_RADIATION = 14387.768775  # um K, h c / k; CODATA 2018
-SUN_WIDE = 0.533  # degrees, by which every bow is blurred
-FLAT = 1e-7  # degrees: where an extremum is, and a small difference of two of them, is less certain than its height
-STEP = 0.05  # degrees, of the sky in the picture
-SKY = np.arange(33.0, 61.0, STEP)  # degrees from the point opposite to the sun
-RAYS = 20_000  # through a drop, evenly spread from its middle to its rim, for the picture
-DRAWN = np.sin(np.radians([15.0, 30.0, 40.0, 50.0, 67.0, 75.0, 83.0]))  # b of rays drawn through a drop
+WAVELENGTHS = np.linspace(0.40, 0.70, 61)  # of white light, um
+PROBE = 0.3  # impact parameter at which the intensity is compared: away from every bow
+FAN = np.linspace(0.06, 0.98, 16)  # impact parameters of the rays that are drawn
+APPROACH = np.linspace(0, 0.999, 121) ** 2  # from a bow to either end of the impact parameters, closer at the bow
+BIN = math.radians(0.02)  # of the sky
+EDGES = np.arange(math.radians(30), math.radians(62), BIN)  # from the point opposite the sun
+ROUNDING = 1e-13  # of angles and impact parameters
 
 
 @result
 class Rainbow(Demonstration):
-    """A drop and the sky.
+    """Rays through a drop of radius 1 at the origin, and the sky of many drops of water.
 
-    course_z, course_y:  (4, N), rays through a drop of radius 1 that are reflected once, and (4,) the one at the bow.
-    leaving:             (N,), (2,): z and y of the directions in which they leave.
-    bow:                 place of the ray at the bow among them.
-    sky:                 (P,), degrees from the point opposite to the sun.
-    intensity:           (P,), luminance of the bows there, the brightest 1.     colours: (P, 3), sRGB, 0 to 1.
-    bows:                (2,), degrees: primary and secondary, at the index asked for.
+    points, ways:    (4, 2, N) and (2, N), y and z of the points where rays of the primary bow meet the drop, the first
+                     three of which count, and of their directions behind it; the first is Descartes' ray.
+    second, second_way:  (4, 2) and (2,), the same of Descartes' ray of the secondary bow.
+    angles:          (A,), from the point opposite the sun, radians.
+    luminance:       (A,), of the sky there; 1 if drops sent the light that meets them evenly to all sides.
+    colours:         (A, 3), sRGB, 0 to 1.
+    bows:            (2, W), primary and secondary of water, from 0.40 to 0.70 um, radians.
+    index:           of the drop.
     """
 
-    course_z: np.ndarray
-    course_y: np.ndarray
-    leaving: np.ndarray
-    sky: np.ndarray
-    intensity: np.ndarray
+    points: np.ndarray
+    ways: np.ndarray
+    second: np.ndarray
+    second_way: np.ndarray
+    angles: np.ndarray
+    luminance: np.ndarray
     colours: np.ndarray
     bows: np.ndarray
+    index: float
 
 
 @demonstration
 def rainbow(
-    index: Annotated[float, Option("refractive index of the drop", above=1, below=2, slider=(1.3, 1.5))] = 1.333,
+    index: Annotated[float, Option("refractive index of the drop", least=1.25, most=1.9)] = 1.333,
+    sun: Annotated[float, Option("diameter of the sun's disc", "deg", least=0.05, most=5)] = 0.53,
 ) -> Rainbow:
-    """The rainbow: both bows and the dark band between them, by rays through a drop."""
-    water = np.asarray(glass("WATER").index(np.array([*COLOURS, RED, VIOLET])))
-    indices = np.array([index, *water[-2:]])
-    rows, angles = [], {}
-    for order, name in ((1, "primary"), (2, "secondary")):
-        incidence, angle = (np.asarray(a) for a in _bow(indices, order))
-        cosine = np.sqrt((indices**2 - 1) / (order * (order + 2)))
-        theory = np.arccos(cosine)
-        inside = np.arcsin(np.sin(theory) / indices)
-        turned = 2 * (theory - inside) + order * (np.pi - 2 * inside)
-        expected = np.abs(np.pi - turned % (2 * np.pi))
-        angles[order] = np.degrees(angle), np.degrees(expected)
-        (bow, red, violet), (bow_theory, red_theory, violet_theory) = angles[order]
-        steepest = np.degrees(np.arcsin(incidence[0]))
+    """The rainbow: Descartes' rays through a drop, both bows and the dark band in true colours."""
+    indices = np.array([index, *glass("WATER").index(WAVELENGTHS)])
+    impacts, rays, slopes, outside, observer = jax.device_get(_measured(indices, WAVELENGTHS))
+    # from the point opposite the sun; rays of the two orders come from opposite sides of it
+    angles = np.arctan2(rays.way[0] * (2 * ORDERS - 3), -rays.way[1])
+    left = rays.left.mean(0)
+    rows = []
+    for order, name in ((0, "primary"), (1, "secondary")):
+        i, r, angle = _bow(order + 1, index)
+        (s, p), (s_theory, p_theory) = rays.left[:, order, 0, 0], _left(order + 1, i, r)
+        polarized = (s_theory - p_theory) / (s_theory + p_theory)
+        sent = PROBE * left[order, 1, 0] / (math.sin(angles[order, 1, 0]) * abs(slopes[order, 1, 0]))
         rows += [
-            Comparison(f"{name} bow: angle from the antisolar point", "deg", bow, bow_theory),
-            Comparison(f"{name} bow: its rays fall in at", "deg", steepest, np.degrees(theory[0]), FLAT),
-            Comparison(f"{name} bow in water, red less violet", "deg", red - violet, red_theory - violet_theory, FLAT),
+            _in_degrees(f"{name} bow", angles[order, 0, 0], angle),
+            Comparison(f"{name}: impact parameter", "", impacts[order, 0, 0], math.sin(i), ROUNDING),
+            Comparison(f"{name}: degree of polarization", "", (s - p) / (s + p), polarized),
+            Comparison(f"{name}: ds/dO of rays at b = {PROBE:g}", "", sent, _cross_section(order + 1, index)),
         ]
-    dark, dark_theory = (angles[2][place][1] - angles[1][place][1] for place in (0, 1))
-    rows.append(Comparison("dark band in water, between the red of both", "deg", dark, dark_theory, FLAT))
-    drawn = np.append(DRAWN, np.sin(np.arccos(math.sqrt((index**2 - 1) / 3))))
-    points, leaving = jax.device_get(_course(jnp.asarray(drawn), jnp.asarray(index), 1))
-    luminance, colours = _sky(water[:-2])
+    bows, theory = angles[:, 0, 1:], np.array([[_bow(k, n)[2] for n in indices[1:]] for k in (1, 2)])
+    for order, name in ((0, "primary"), (1, "secondary")):
+        (violet, *_, red), (violet_theory, *_, red_theory) = bows[order], theory[order]
+        rows += [
+            _in_degrees(f"water: {name} bow, 0.70 µm", red, red_theory),
+            _in_degrees(f"water: {name} bow, 0.40 µm", violet, violet_theory),
+            _in_degrees(f"water: {name}, width", abs(red - violet), abs(red_theory - violet_theory)),
+        ]
+    rows.append(_in_degrees("water: dark band", bows[1].min() - bows[0].max(), theory[1, -1] - theory[0, -1]))
+    curves = (np.moveaxis(each[:, 2 + len(FAN) :, 1:], 2, 0) for each in (angles, left, impacts))
+    by_wavelength = outside[:, 1:].T + np.array([spread(EDGES, *each) for each in zip(*curves, strict=True)])
+    sky, white = observer.T @ by_wavelength / observer[:, 1].sum(), observer.sum(0) / observer[:, 1].sum()
+    xyz, seen = _blurred(sky, math.radians(sun)), (EDGES[1:] + EDGES[:-1]) / 2
+    hidden = (len(seen) - len(xyz)) // 2
     return Rainbow(
-        setting=f"sunlight on a drop of index {index:g}, and of water at {RED:g} and {VIOLET:g} um",
+        setting=f"round drops of the index {index:g}, and of water at 20 °C; a sun of {sun:g} deg",
         rows=tuple(rows),
-        course_z=np.array([point[2] for point in points]),
-        course_y=np.array([point[1] for point in points]),
-        leaving=np.array([leaving[2], leaving[1]]).T,
-        sky=SKY,
-        intensity=luminance,
-        colours=colours,
-        bows=np.array([angles[1][0][0], angles[2][0][0]]),
+        points=rays.points[:, :, 0, [0, *range(2, 2 + len(FAN))], 0],
+        ways=rays.way[:, 0, [0, *range(2, 2 + len(FAN))], 0],
+        second=rays.points[:, :, 1, 0, 0],
+        second_way=rays.way[:, 1, 0, 0],
+        angles=seen[hidden : len(seen) - hidden],
+        luminance=xyz[:, 1],
+        colours=np.asarray(_shown(xyz, white)),
+        bows=bows,
+        index=index,
     )
 
 
-def _course(b: jax.Array, index: jax.Array, order: int) -> tuple[list[Vector], Vector]:
-    """Rays along +z through a drop of radius 1 at the distance b from its axis, by the tracer's law: the points where
-    they meet its surface, and the directions in which they leave."""
-    zero, one = 0 * b, 0 * b + 1
-    inside = index * one
-    point: Vector = (zero, b, -jnp.sqrt((1 - b) * (1 + b)))
-    direction, _ = refracted((zero, zero, one), point, one, inside)
-    points = [point]
-    for bounce in range(order + 1):
-        chord = -2 * dot(direction, point)
-        x, y, z = (p + chord * d for p, d in zip(point, direction, strict=True))
-        point = (x, y, z)
-        points.append(point)
-        if bounce < order:
-            direction = reflected(direction, point)
-    return points, refracted(direction, point, inside, one)[0]
+@jax.jit
+def _measured(indices: jax.Array, um: jax.Array) -> tuple[jax.Array, DropRays, jax.Array, jax.Array, jax.Array]:
+    """Impact parameters, (2, K, N), of the bows, the probe, the fan, and from the bows to 0 and to 1; the rays, and how
+    fast they turn with them; what the outside of a drop reflects, (A, N); the observer, (W, 3)."""
+
+    def turn(b: jax.Array) -> tuple[jax.Array, jax.Array, DropRays]:
+        def turned(b: jax.Array) -> tuple[jax.Array, DropRays]:
+            rays = through_drop(b, jnp.broadcast_to(indices, b.shape))
+            return jnp.arctan2(-rays.way[0], rays.way[1]), rays
+
+        return jax.jvp(turned, (b,), (jnp.ones_like(b),), has_aux=True)
+
+    zero = jnp.zeros((2, 1, len(indices)))
+    bow = edge(lambda b: turn(b)[1] < 0, zero, zero + 1)
+    approach = jnp.asarray(APPROACH)[:, None]
+    fixed = jnp.asarray([PROBE, *FAN])[:, None] + zero
+    b = jnp.concatenate([bow, fixed, bow * (1 - approach), bow + (1 - bow) * approach], 1)
+    _, slopes, rays = turn(b)
+    halves = jnp.cos(jnp.asarray(EDGES[1:] + EDGES[:-1])[:, None] / 4 + 0 * indices)
+    s, p = reflectances(halves, jnp.ones_like(indices), indices)
+    return b, rays, slopes, (s + p) / 2, xyz_of_wavelength(um)
 
 
-def _angle(b: jax.Array, index: jax.Array, order: int) -> jax.Array:
-    """t, of rays that leave the drop, radians."""
-    _, (x, y, z) = _course(b, index, order)
-    return jnp.arctan2(jnp.hypot(x, y), -z)
+@jax.jit
+def _shown(xyz: jax.Array, white: jax.Array) -> jax.Array:
+    """Colours of a picture in which white light is white and the brightest colour as bright as can be."""
+    rgb = within_gamut(srgb_of_xyz(xyz) / srgb_of_xyz(white))
+    return encoded(rgb / rgb.max())
 
 
-@functools.partial(jax.jit, static_argnums=1)
-def _bow(indices: jax.Array, order: int) -> tuple[jax.Array, jax.Array]:
-    """b and t of the ray whose neighbours leave in its own direction, of each index."""
-    low, high = jnp.full_like(indices, 0.01), jnp.full_like(indices, 1 - 1e-9)
-
-    def rate(b: jax.Array) -> jax.Array:
-        return jax.jvp(lambda b: _angle(b, indices, order), (b,), (jnp.ones_like(b),))[1]
-
-    sense = jnp.sign(rate(low))
-    b = edge(lambda b: sense * rate(b) > 0, low, high)
-    return b, _angle(b, indices, order)
+def _blurred(sky: np.ndarray, sun: float) -> np.ndarray:
+    """(A, 3), the sky (3, A') of a point, averaged over the disc of the sun; bins near the ends are left out."""
+    half = int(sun / 2 / BIN)
+    disc = np.sqrt(1 - (np.arange(-half, half + 1) / (half + 1)) ** 2)
+    return np.array([np.convolve(each, disc / disc.sum(), "valid") for each in sky]).T
 
 
-@functools.partial(jax.jit, static_argnums=2)
-def _shining(b: jax.Array, index: jax.Array, order: int) -> tuple[jax.Array, jax.Array]:
-    """t, and the light that goes there, of rays at b."""
-    cosine = jnp.sqrt((1 - b) * (1 + b))
-    both = [(1 - r) ** 2 * r**order for r in reflectances(cosine, jnp.ones_like(index), index)]
-    return _angle(b, index, order), b * (both[0] + both[1]) / 2
+def _bow(order: int, n: float) -> tuple[float, float, float]:
+    """Incidence, angle inside, and angle from the point opposite the sun; see the docstring of this file."""
+    i = math.acos(math.sqrt((n * n - 1) / (order * (order + 2))))
+    r = math.asin(math.sin(i) / n)
+    turned = 2 * (i - r) + order * (math.pi - 2 * r)
+    return i, r, math.pi - turned if order == 1 else turned - math.pi
 
 
-def _sky(indices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Luminance and sRGB of the sky, for the index of water at the COLOURS."""
-    b = (np.arange(RAYS) + 0.5) / RAYS
-    edges = np.radians(np.append(SKY, SKY[-1] + STEP) - STEP / 2)
-    light = np.zeros((len(COLOURS), len(SKY)))
-    for place, n in enumerate(indices):
-        for order in (1, 2):
-            t, weight = map(np.asarray, _shining(b, np.array(n), order))
-            light[place] += np.histogram(t, edges, weights=weight)[0]
-    light /= np.sin(np.radians(SKY))
-    # the sun is a disk: across it the light is that of its chords
-    across = np.arange(-SUN_WIDE / 2, SUN_WIDE / 2 + STEP / 2, STEP)
-    disk = np.sqrt(np.maximum(1 - (2 * across / SUN_WIDE) ** 2, 0))
-    light = np.array([np.convolve(each, disk / disk.sum(), "same") for each in light])
-    planck = 1 / (COLOURS**5 * (np.exp(SECOND_RADIATION / COLOURS / SUN_KELVIN) - 1))
-    xyz = np.einsum("cp,c,cj->pj", light, planck / planck.max(), np.asarray(xyz_of_wavelength(jnp.asarray(COLOURS))))
-    brightest = xyz[:, 1].max()
-    return xyz[:, 1] / brightest, np.asarray(encoded(within_gamut(srgb_of_xyz(jnp.asarray(xyz / brightest)))))
+def _left(order: int, i: float, r: float) -> tuple[float, float]:
+    """What is left of light polarized across the plane, and in it, by Fresnel's sines and tangents."""
+    s, p = (math.sin(i - r) / math.sin(i + r)) ** 2, (math.tan(i - r) / math.tan(i + r)) ** 2
+    return (1 - s) ** 2 * s**order, (1 - p) ** 2 * p**order
+
+
+def _cross_section(order: int, n: float) -> float:
+    """ds/dO at the probe."""
+    i = math.asin(PROBE)
+    r = math.asin(PROBE / n)
+    turned = 2 * (i - r) + order * (math.pi - 2 * r)
+    change = (2 - 2 * (order + 1) * math.cos(i) / (n * math.cos(r))) / math.cos(i)
+    return PROBE * sum(_left(order, i, r)) / 2 / abs(math.sin(turned) * change)
+
+
+def _in_degrees(quantity: str, measured: float, theory: float) -> Comparison:
+    """Angles given in radians."""
+    return Comparison(quantity, "deg", *(math.degrees(each) for each in (measured, theory, ROUNDING)))
