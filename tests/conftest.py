@@ -26,6 +26,7 @@ QUICKLY = "--xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=fals
 os.environ["XLA_FLAGS"] = f"{os.environ.get('XLA_FLAGS', '')} {QUICKLY}"
 
 ROOT = Path(__file__).parent.parent
+LONGEST = {"test_notebooks", "test_readme"}
 
 
 @pytest.fixture(scope="session")
@@ -59,6 +60,11 @@ def rich_lens() -> Lens:
         name="all keys",
         source="a test",
     )
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """What takes longest first: a worker that met it last would be waited for by all."""
+    items.sort(key=lambda item: item.path.stem not in LONGEST)
 
 
 def pytest_unconfigure() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import importlib.util
 import io
 import math
@@ -32,7 +33,11 @@ def explore(demonstration: Callable[..., Demonstration]) -> Any:
     without it the demonstration is shown once, with the options it has by default. Returns the widget, or None.
     """
     if importlib.util.find_spec("ipywidgets") is None:
-        _show(demonstration, {})
+        from IPython.display import Image, display
+
+        text, picture = _shown(demonstration, {})
+        print(text)
+        display(Image(picture))
         return None
     import ipywidgets
 
@@ -40,9 +45,14 @@ def explore(demonstration: Callable[..., Demonstration]) -> Any:
     output = ipywidgets.Output()
 
     def draw(_: Any = None) -> None:
-        output.clear_output(wait=True)
-        with output:
-            _show(demonstration, {name: control.read(control.widget.value) for name, control in controls.items()})
+        values = {name: control.read(control.widget.value) for name, control in controls.items()}
+        text, picture = _shown(demonstration, values)
+        # set as data: what is printed while a slider moves would belong to no cell
+        shown: list[dict[str, Any]] = [{"output_type": "stream", "name": "stdout", "text": f"{text}\n"}]
+        if picture is not None:
+            data = {"image/png": base64.b64encode(picture).decode()}
+            shown.append({"output_type": "display_data", "data": data, "metadata": {}})
+        output.outputs = tuple(shown)
 
     for control in controls.values():
         control.widget.observe(draw, "value")
@@ -50,19 +60,15 @@ def explore(demonstration: Callable[..., Demonstration]) -> Any:
     return ipywidgets.VBox([*(control.widget for control in controls.values()), output])
 
 
-def _show(demonstration: Callable[..., Demonstration], options: dict[str, Any]) -> None:
-    """The table and the picture; one line where the options are not right."""
-    from IPython.display import Image, display
-
+def _shown(demonstration: Callable[..., Demonstration], options: dict[str, Any]) -> tuple[str, bytes | None]:
+    """The table and the picture (png); one line, and none, where the options are not right."""
     try:
         found = demonstration(**options)
     except LensTraceError as error:
-        print(error)
-        return
-    print(found)
+        return str(error), None
     picture = io.BytesIO()
     demonstration_figure(found).savefig(picture, format="png", dpi=RESOLUTION)
-    display(Image(picture.getvalue()))
+    return repr(found), picture.getvalue()
 
 
 def _control(argument: Argument) -> _Control:
