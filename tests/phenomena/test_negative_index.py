@@ -47,6 +47,39 @@ def test_the_wedge_of_the_first_experiment() -> None:
 
 
 @pytest.mark.parametrize(
+    "options",
+    [
+        {"index": -10.0, "surroundings": 0.1, "apex": 0.01, "incidence": -60.0},
+        {"index": -10.0, "surroundings": 0.1, "apex": 1e-9, "incidence": 30.0},
+        {"index": -0.1, "surroundings": 0.1, "apex": 89.0, "incidence": 60.0},
+    ],
+)
+def test_prism_agrees_at_the_ends_of_its_options(options: dict[str, float]) -> None:
+    found = phenomena.negative_prism(**options)
+    assert found.agrees, found
+
+
+def test_a_prism_that_only_a_negative_index_passes_is_drawn_alone() -> None:
+    found = phenomena.negative_prism(incidence=20.0)
+    assert found.agrees
+    assert found.ray_z.shape == (4, 1)
+    assert "does not let through" in found.setting
+
+
+@pytest.mark.parametrize(
+    ("options", "why"),
+    [
+        ({"incidence": -20.0}, "the back face reflects it totally"),
+        ({"index": -0.5, "incidence": 30.0}, "the front face reflects it totally at 30 deg"),
+        ({"index": -1.0, "incidence": -30.0, "apex": 80.0}, "runs away from the back face"),
+    ],
+)
+def test_prisms_that_let_no_light_through_are_refused(options: dict[str, float], why: str) -> None:
+    with pytest.raises(OptionError, match=f"^negative-prism: no light passes at the index .*{why}"):
+        phenomena.negative_prism(**options)
+
+
+@pytest.mark.parametrize(
     "options", [{}, {"index": -1.7, "surroundings": 1.33, "height": 0.6}, {"positive": 1.2}, {"height": 0.99}]
 )
 def test_a_hollow_lens_of_negative_index_focuses(options: dict[str, float]) -> None:

@@ -22,6 +22,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from lenstrace.analysis.rays import trace
+from lenstrace.compute.compiled import compiled
 from lenstrace.errors import OptionError
 from lenstrace.optics.rays import living
 from lenstrace.phenomena.demonstration import Comparison, Demonstration, result
@@ -30,7 +31,8 @@ from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.prescription import lens
 
 SIDE = 10.0  # mm from the edge to where the ray enters, along the front face
-ROUNDING = 2e-14  # rad, or relative: what a few roundings do before a face magnifies it
+ROUNDING = 1e-15  # rad, or relative: what a few roundings do before the faces magnify it
+GRAZING = 1e-10  # of the sine of an angle below 1: light that goes along a face is counted as reflected totally
 CURVE = np.radians(np.arange(-88.0, 89.0, 4.0))  # incidences of the second picture
 
 
@@ -90,26 +92,27 @@ def negative_prism(
         [0.5876],
         object_index=surroundings,
     )
-    # the rays of the picture, thin prisms, and the curves: one program for all
-    asked = [(n, edge, i) for n in passing] + [(n, 0.0, 0.0) for n in indices]
-    asked += [(n, edge, angle) for n in indices for angle in CURVE]
-    (by_index, by_apex), (angles, height) = jax.device_get(_through(wedge, *np.array(asked).T))
+    # rays of the picture, differentiated by n, thin prisms, by the apex angle, and the curves: one program for all
+    asked = [(n, edge, i, 1.0, 0.0) for n in passing] + [(n, 0.0, 0.0, 0.0, 1.0) for n in indices]
+    asked += [(n, edge, angle, 0.0, 0.0) for n in indices for angle in CURVE]
+    moves, angles, height = jax.device_get(_through(wedge, *np.array(asked).T))
 
+    # of the cosine of an angle before a face, the face makes the square of the ratio of the indices
+    roundings = ROUNDING * (abs(index) / surroundings + surroundings / abs(index)) ** 2
     rows = []
     for place, n in enumerate(passing):
         theory = _theory(n / surroundings, edge, i)
         cosines = math.cos(theory.inside) * math.cos(theory.behind)
-        within = math.degrees(ROUNDING) * (1 + abs(n) / surroundings) / cosines
+        within = math.degrees(roundings / cosines)
         words = ("inside, from the normal", "behind, from the normal", "deviation, up")
         for what, measured, expected in zip(words, angles, theory, strict=True):
             label = f"n = {n:g}: {what}"
             rows.append(Comparison(label, "deg", math.degrees(measured[place]), math.degrees(expected), within))
         label, moving = f"n = {n:g}: how fast that moves with n", math.degrees(math.sin(edge) / cosines / surroundings)
-        rows.append(Comparison(label, "deg", math.degrees(by_index[place]), moving, moving * ROUNDING / cosines**2))
+        rows.append(Comparison(label, "deg", math.degrees(moves[place]), moving, within / cosines**2 / surroundings))
     for place, n in enumerate(indices, len(passing)):
-        ratio = n / surroundings
         label = f"n = {n:g}: deviation of a thin prism by its apex angle"
-        rows.append(Comparison(label, "", by_apex[place], ratio - 1, ROUNDING * (1 + abs(ratio))))
+        rows.append(Comparison(label, "", moves[place], n / surroundings - 1, roundings * (1 + abs(n) / surroundings)))
 
     drawn = slice(len(passing))
     deviations = np.degrees(angles.deviation[-2 * len(CURVE) :].reshape(2, -1))
@@ -129,33 +132,41 @@ def negative_prism(
     )
 
 
-@jax.jit
+@compiled
 def _through(
-    wedge: Lens, index: jax.Array, edge: jax.Array, incidence: jax.Array
-) -> tuple[tuple[jax.Array, jax.Array], tuple[_Angles, jax.Array]]:
-    """Derivatives of the deviation by index and apex angle; the angles, and how far up the back face the ray meets it
-    from where that crosses the axis, mm. All (R,)."""
+    wedge: Lens, index: jax.Array, edge: jax.Array, incidence: jax.Array, by_index: jax.Array, by_edge: jax.Array
+) -> tuple[jax.Array, _Angles, jax.Array]:
+    """How fast the deviation moves with by_index times the index and by_edge times the apex angle; the angles, and how
+    far up the back face the ray meets it from where that crosses the axis, mm. All (R,)."""
 
     def passage(index: jax.Array, edge: jax.Array, incidence: jax.Array) -> tuple[jax.Array, Any]:
         tilt = jnp.degrees(edge / 2)
         placed = wedge.replace(surface=1, index=index, tilt=(-tilt, 0.0, 0.0)).replace(surface=2, tilt=(tilt, 0.0, 0.0))
         start, zero = incidence + edge / 2, jnp.zeros_like(index)
-        path = trace(placed, rays=living(zero, zero, zero, zero, jnp.sin(start), jnp.cos(start)))
+        path = trace(placed, rays=living(zero, zero, zero, zero, jnp.sin(start), jnp.cos(start)), opl=False)
         # each in the frame of its face: from the normal
         inside, behind = jnp.unstack(jnp.arctan2(path.m[1:3], path.n[1:3]))
         angles = _Angles(inside, behind, jnp.arctan2(path.m[3], path.n[3]) - start)
         return angles.deviation, (angles, path.y[2])
 
-    return jax.vmap(jax.jacfwd(passage, (0, 1), has_aux=True))(index, edge, incidence)
+    def deviation(index: jax.Array, edge: jax.Array) -> tuple[jax.Array, Any]:
+        return jax.vmap(passage)(index, edge, incidence)
+
+    _, moves, (angles, height) = jax.jvp(deviation, (index, edge), (by_index, by_edge), has_aux=True)
+    return moves, angles, height
 
 
 def _theory(ratio: float, edge: float, incidence: Any) -> _Angles:
     """See the docstring of this file; nan where a face reflects totally, or the ray does not come to the back face."""
-    with np.errstate(invalid="ignore"):
-        inside = np.arcsin(np.sin(incidence) / ratio)
-        onto = np.where(abs(inside + edge) < math.pi / 2, inside + edge, np.nan)
-        behind = np.arcsin(ratio * np.sin(onto))
+    inside = _arcsine(np.sin(incidence) / ratio)
+    onto = np.where(abs(inside + edge) < math.pi / 2, inside + edge, np.nan)
+    behind = _arcsine(ratio * np.sin(onto))
     return _Angles(inside, behind, behind - incidence - edge)
+
+
+def _arcsine(sine: Any) -> Any:
+    """nan where there is none."""
+    return np.arcsin(np.where(abs(sine) < 1 - GRAZING, sine, np.nan))
 
 
 def _check(index: float, surroundings: float, edge: float, incidence: float) -> None:
@@ -165,8 +176,8 @@ def _check(index: float, surroundings: float, edge: float, incidence: float) -> 
         return
     if not np.isfinite(angles.inside):
         where = f"the front face reflects it totally at {math.degrees(incidence):g} deg; bring incidence nearer to 0"
-    elif angles.inside + edge <= -math.pi / 2:
-        where = "inside it runs away from the back face; bring incidence nearer to 0"
+    elif angles.inside + edge >= math.pi / 2:
+        where = "inside it runs away from the back face; make apex smaller, or change incidence"
     else:
         where = (
             f"the back face reflects it totally at {math.degrees(angles.inside + edge):.4g} deg; make apex smaller, "
