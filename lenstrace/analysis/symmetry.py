@@ -12,8 +12,10 @@ from lenstrace.sequential.system import System
 
 
 def is_centred(lens: Lens) -> bool:
-    """True where the lens is a body of revolution about its axis: nothing tilted or decentred, all apertures round."""
-    return not any(row.is_posed or row.aperture_kind is ApertureKind.RECTANGLE for row in (*lens.rows, lens.image))
+    """True where the lens is a body of revolution about its axis: nothing tilted or decentred, all apertures and phase
+    screens round."""
+    rows = (*lens.rows, lens.image)
+    return not any(row.is_posed or row.aperture_kind is ApertureKind.RECTANGLE or _has_sides(row) for row in rows)
 
 
 def is_mirrored(lens: Lens) -> bool:
@@ -27,6 +29,13 @@ def has_apertures(system: System) -> bool:
 
 
 def _is_mirrored(row: Row) -> bool:
-    """Decentred in y and tilted about x only."""
+    """Decentred in y and tilted about x only; a screen with sides may have any."""
+    if _has_sides(row):
+        return False
     moved = (row.decenter or (0.0, 0.0))[0], *(row.tilt or (0.0, 0.0, 0.0))[1:]
     return not np.any(jax.device_get(moved))
+
+
+def _has_sides(row: Row) -> bool:
+    """True where a phase screen is not known to be round."""
+    return row.screen is not None and not row.screen.is_round

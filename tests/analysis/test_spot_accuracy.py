@@ -193,3 +193,19 @@ def test_gaussian_rings_from_a_tolerance_can_be_differentiated(designs: dict[str
     assert np.allclose(same.polychromatic.rms_centroid, found.polychromatic.rms_centroid, rtol=1e-6)
     squares = lenstrace.mean_square_spot(lens, pattern="gaussian", rings=rings)
     assert np.allclose(np.sqrt(squares), same.polychromatic.rms_centroid, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "screen",
+    [
+        {"grating": {"period": 0.05}},
+        {"zernike": {"radius": 20.0, "terms": {8: 0.002, 5: 0.001}}},
+        {"ideal_lens": 1000.0},
+    ],
+)
+def test_a_phase_screen_with_sides_is_seen_whole(screen: dict[str, object]) -> None:
+    """What sends light to +x is no mirror image of itself: half a pupil would put its centroid on the axis."""
+    lens = ideal(screen=screen)
+    fine, whole = lenstrace.spots(lens, tolerance=1e-6), lenstrace.spots(lens, pattern="gaussian", rings=12)
+    for figure in ("centroid_x", "centroid_y", "rms_centroid"):
+        assert np.allclose(getattr(fine, figure), getattr(whole, figure), rtol=2e-6, atol=1e-9), figure

@@ -25,6 +25,11 @@ class IdealLens(Screen):
         return -r2 / (f + jnp.sign(f) * jnp.sqrt(f * f + r2))
 
     @property
+    def is_round(self) -> bool:
+        """As `Screen.is_round`: it does."""
+        return True
+
+    @property
     def label(self) -> str:
         """For the table of a lens."""
         return f"ideal lens f = {plain(self.focal_length)} mm"
@@ -47,6 +52,11 @@ class QuadraticLens(Screen):
     def path(self, x: jax.Array, y: jax.Array, wavelength: jax.Array) -> jax.Array:  # noqa: ARG002
         """W, mm."""
         return -(x * x + y * y) / (2 * self.focal_length)
+
+    @property
+    def is_round(self) -> bool:
+        """As `Screen.is_round`: it does."""
+        return True
 
     @property
     def label(self) -> str:

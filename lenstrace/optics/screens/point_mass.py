@@ -25,6 +25,11 @@ class PointMass(Screen):
         return -self.schwarzschild_radius * jnp.where(r2 > 0, jnp.log(jnp.where(r2 > 0, r2, 1)), 0)
 
     @property
+    def is_round(self) -> bool:
+        """As `Screen.is_round`: it does."""
+        return True
+
+    @property
     def label(self) -> str:
         """For the table of a lens."""
         return f"point mass, Schwarzschild radius {plain(self.schwarzschild_radius)} mm"

@@ -33,6 +33,11 @@ class Screen:
         return jax.tree.map(lambda length: length * unit, self)
 
     @property
+    def is_round(self) -> bool:
+        """True where W is known to depend on r alone."""
+        return False
+
+    @property
     def label(self) -> str:
         """What it is, for the table of a lens."""
         raise NotImplementedError
