@@ -20,13 +20,31 @@ def static(*, default: Any = dataclasses.MISSING) -> Any:
 def pytree(cls: type[Data]) -> type[Data]:
     """Make `cls` a frozen dataclass and a pytree: fields are leaves, except those declared `static()`.
 
-    JAX rebuilds these objects with tracers inside, so there is no validation here: it stands in factories.
+    JAX rebuilds these objects with tracers inside, so there is no validation here: it stands in factories. They are
+    rebuilt without a call of the class.
     """
     cls = dataclasses.dataclass(frozen=True, eq=False)(cls)
     fields = dataclasses.fields(cls)  # pyright: ignore[reportArgumentType]
-    meta = [field.name for field in fields if field.metadata.get("static")]
-    data = [field.name for field in fields if not field.metadata.get("static")]
-    jax.tree_util.register_dataclass(cls, data_fields=data, meta_fields=meta)
+    meta = tuple(field.name for field in fields if field.metadata.get("static"))
+    data = tuple(field.name for field in fields if not field.metadata.get("static"))
+    keys = tuple(jax.tree_util.GetAttrKey(name) for name in data)
+
+    def flatten(tree: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+        return tuple([getattr(tree, name) for name in data]), tuple([getattr(tree, name) for name in meta])
+
+    def flatten_with_keys(tree: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+        children, statics = flatten(tree)
+        return tuple(zip(keys, children, strict=True)), statics
+
+    def unflatten(statics: tuple[Any, ...], children: Any) -> Any:
+        tree = object.__new__(cls)
+        tree.__dict__.update(zip(data, children, strict=True))
+        tree.__dict__.update(zip(meta, statics, strict=True))
+        return tree
+
+    # not `register_dataclass`: to JAX 0.10 the structures of two such classes are equal where their fields are, and the
+    # program of one is taken for the other whenever their hashes meet
+    jax.tree_util.register_pytree_with_keys(cls, flatten_with_keys, unflatten, flatten)
     return cls
 
 
