@@ -33,7 +33,10 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
-from lenstrace.optics.vectors import Vector, divide_finite_where, divide_where, dot, root_or_zero
+from lenstrace.optics.vectors import Vector, divide_finite_where, divide_where, dot, root_or_zero, safe_divide
+
+# No light goes on where a screen is so steep: its momentum along the surface is far above any index.
+STEEPEST = 1e6
 
 
 class Interaction(enum.Enum):
@@ -62,7 +65,7 @@ def bend(
     cosine:         E = |N.d1| >= 0.       side: s = sign(N.d1), +1 or -1.
     index_before, index_after:  n1, n2 relative to air; without a push not used by a mirror.
     met:            False where the ray meets no surface.
-    push:           dW/dx and dW/dy of a screen on the surface, pure numbers.
+    push:           dW/dx and dW/dy of a screen on the surface, pure numbers; counted up to STEEPEST.
     Returns d2, which is d1 where nothing is met or no light goes on (all of it is reflected totally, or a diffraction
     order does not exist), and a mask: False there.
     """
@@ -95,9 +98,9 @@ def bend(
 def _tangential(
     push: tuple[jax.Array, jax.Array], normal: Vector, normal_squared: jax.Array, index: jax.Array
 ) -> Vector:
-    """q, the part of the gradient of W along the surface, over the index behind it."""
-    x, y = push
-    across = (x * normal[0] + y * normal[1]) / normal_squared
+    """q, the part of the gradient of W along the surface, over the index behind it; finite also where |N|^2 is 0."""
+    x, y = (jnp.clip(slope, -STEEPEST, STEEPEST) for slope in push)
+    across = safe_divide(x * normal[0] + y * normal[1], normal_squared)
     return (x - across * normal[0]) / index, (y - across * normal[1]) / index, -across * normal[2] / index
 
 

@@ -112,7 +112,7 @@ def zernike_terms(order: str, numbers: tuple[int, ...], x: ArrayLike, y: ArrayLi
 
 def first_number(order: str) -> int:
     """The number of the first term of an order; LensTraceError for an unknown one."""
-    if order not in ORDERS:
+    if not isinstance(order, str) or order not in ORDERS:
         raise LensTraceError(f"unknown order of Zernike terms {order!r}; one of {', '.join(ORDERS)}")
     return ORDERS[order]
 

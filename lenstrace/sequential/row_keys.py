@@ -53,7 +53,7 @@ def row_fields(changes: Mapping[str, Any]) -> dict[str, Any]:
         fields["turned"] = bool(np.prod(np.cos(np.radians(np.array(fields["tilt"][:2], float)))) < TURNED)
     if "aperture" in fields:
         fields |= _aperture(fields["aperture"])
-    if isinstance(fields.get("screen"), Mapping):
+    if fields.get("screen") is not None:
         fields["screen"] = screen_of(fields["screen"])
     return fields | _medium(fields)
 

@@ -26,8 +26,12 @@ EXAMPLES = {
 KINDS = ("ideal_lens", "quadratic_lens", "point_mass", *EXAMPLES)
 
 
-def screen_of(keys: Mapping[str, Any]) -> Screen | None:
-    """The screen that one key names; None for no key. PrescriptionError for another one, or for several."""
+def screen_of(keys: Any) -> Screen | None:
+    """The screen that one key names, None for no key; a screen as it is. PrescriptionError for anything else."""
+    if isinstance(keys, Screen):
+        return keys
+    if not isinstance(keys, Mapping):
+        raise PrescriptionError(f'screen takes a mapping of one key, such as {{"ideal_lens": 100}}, got {keys!r}')
     if not keys:
         return None
     if len(keys) > 1 or not set(keys) <= set(KINDS):
@@ -79,16 +83,22 @@ def _grating(keys: Mapping[str, Any]) -> Grating:
 
 def _zernike(keys: Mapping[str, Any]) -> ZernikeScreen:
     _known(keys, "zernike", ("radius", "terms"), ("order",))
-    order = keys.get("order", "noll")
+    order, given = keys.get("order", "noll"), keys["terms"]
+    if not isinstance(given, Mapping) or not all(str(number).isdecimal() for number in given):
+        raise PrescriptionError(
+            f"screen zernike: terms are numbers and coefficients, such as {{4: 1e-4}}, got {given!r}"
+        )
+    terms = {int(str(number)): _number(a, f"zernike term {number}") for number, a in given.items()}
+    if len(terms) < len(given):
+        raise PrescriptionError(f"screen zernike: a term is given twice; the terms are {', '.join(map(str, given))}")
+    numbers = tuple(sorted(terms))
     try:
-        terms = sorted((int(str(number)), _number(a, f"zernike term {number}")) for number, a in keys["terms"].items())
-        for number, _ in terms:
+        for number in numbers:
             zernike_index(order, number)
-    except (ValueError, AttributeError) as error:
-        why = error if isinstance(error, LensTraceError) else "terms are numbers and coefficients, such as {4: 1e-4}"
-        raise PrescriptionError(f"screen zernike: {why}") from None
+    except LensTraceError as error:
+        raise PrescriptionError(f"screen zernike: {error}") from None
     radius = _number(keys["radius"], "zernike radius")
-    return ZernikeScreen(tuple(a for _, a in terms), radius, tuple(number for number, _ in terms), order)
+    return ZernikeScreen(tuple(terms[number] for number in numbers), radius, numbers, order)
 
 
 def _grid(keys: Mapping[str, Any]) -> GridScreen:

@@ -25,7 +25,7 @@ from jax import lax
 from lenstrace.optics.apertures import ApertureKind, passes
 from lenstrace.optics.frames import Pose
 from lenstrace.optics.interactions import bend
-from lenstrace.optics.rays import Ray, RayStatus, failure_code
+from lenstrace.optics.rays import Ray, RayStatus, failure_code, has_course
 from lenstrace.optics.screens.screen import Screen, path_and_slopes
 from lenstrace.optics.shapes.asphere import Asphere
 from lenstrace.optics.shapes.conic import Conic
@@ -129,8 +129,13 @@ def cross(
     x, y, z = crossing.point
 
     geometry = (direction, crossing.normal, crossing.normal_squared, crossing.cosine, side)
+    added, push = None, None
+    if thin is not None:
+        # numbers of a ray without a course may be so large that a screen overflows there
+        sound = crossing.met & has_course(ray.failure)
+        added, push = path_and_slopes(thin[0], jnp.where(sound, x, 0), jnp.where(sound, y, 0), thin[1])
+        added = jnp.where(sound, added, 0)
     # a ray that met nothing, or is totally reflected, goes straight on
-    added, push = (None, None) if thin is None else path_and_slopes(thin[0], x, y, thin[1])
     (l, m, n), bent = bend(kind.interaction, *geometry, record.index_before, record.index_after, crossing.met, push)
     reason = jnp.where(bent, int(RayStatus.OK), int(RayStatus.TIR))
     if kind.aperture is not ApertureKind.NONE:

@@ -1,13 +1,17 @@
 """Rays through graded media against closed forms: a focusing rod with skew rays, and a uniform medium."""
 
+import dataclasses
+import tracemalloc
+
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from lenstrace import OptionError, ray
+from lenstrace import OptionError, RayError, RayStatus, ray
 from lenstrace.compute.pytree import pytree
 from lenstrace.optics.graded import through
+from lenstrace.optics.rays import Ray, failure_code
 
 
 @pytree
@@ -68,3 +72,48 @@ def test_a_smaller_tolerance_is_more_accurate_and_costs_more() -> None:
     assert abs(fine.drift).max() < 1e-3 * abs(coarse.drift).max()
     assert fine.calls > coarse.calls
     assert jnp.isfinite(coarse.end.opl).all()
+
+
+def parallel(heights: np.ndarray) -> Ray:
+    """Rays along z from the plane z = 0."""
+    zero = 0 * heights
+    return ray((zero, heights, zero), (zero, zero, 1 + zero))
+
+
+@pytest.mark.parametrize("beside", [3, 300])
+def test_easy_rays_hide_no_error_of_a_hard_one(beside: int) -> None:
+    n0, g, length = 1.5, 0.3, 60.0
+
+    def error(heights: np.ndarray) -> float:
+        found = through(Rod(n0, g), parallel(heights), length, plane(length), tolerance=1e-5, samples=200)
+        _, y, z = found.points[:, :, 0]
+        return np.abs(y - np.cos(g * z / np.sqrt(1 - g**2))).max()
+
+    assert error(np.append(1.0, np.zeros(beside))) < 1.3 * error(np.ones(1))
+
+
+def test_the_cost_is_linear_in_the_rays() -> None:
+    tracemalloc.start()
+    through(Rod(1.5, 0.0), parallel(np.linspace(-1, 1, 3000)), 10.0, plane(4.0), tolerance=1e-6)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    # seven numbers of every ray for every ray are 504 MB
+    assert peak < 200e6
+
+
+def test_a_failed_ray_keeps_its_failure_and_stays_where_it_is() -> None:
+    lost = int(failure_code(7, RayStatus.TIR))
+    # n^2 is -3 where the failed ray is
+    start = dataclasses.replace(parallel(np.array([0.0, 2.0])), failure=jnp.array([0, lost]), opl=jnp.array([5.0, 6.0]))
+    found = through(Rod(1.0, 1.0), start, 10.0, plane(4.0))
+    assert found.end.failure.tolist() == [0, lost]
+    assert found.end.opl is not None
+    np.testing.assert_allclose(found.end.opl, [9.0, 6.0], rtol=1e-12)
+    np.testing.assert_array_equal([found.end.y[1], found.end.z[1]], [2.0, 0.0])
+    assert np.isfinite(found.end_index).all()
+
+
+def test_a_start_without_an_index_is_refused() -> None:
+    expected = r"ray 1 starts, at \(0, 2, 0\) mm: n\^2 must be above 0, got -3; start rays within the medium"
+    with pytest.raises(RayError, match=expected):
+        through(Rod(1.0, 1.0), parallel(np.array([0.0, 2.0])), 10.0, plane(4.0))

@@ -1,6 +1,7 @@
 """Phase screens against closed forms, the law of interaction in 40 digits, and each other; what a file says of them."""
 
 import itertools
+import re
 
 import jax
 import jax.numpy as jnp
@@ -14,6 +15,7 @@ from lenstrace import Lens, PrescriptionError, RayStatus
 from lenstrace.optics.interactions import Interaction, bend
 from lenstrace.optics.screens.grid import GridScreen
 from lenstrace.optics.screens.lenses import IdealLens
+from lenstrace.optics.screens.point_mass import PointMass
 from lenstrace.optics.screens.screen import path_and_slopes
 
 UM, MM = 0.55, 0.55e-3
@@ -162,6 +164,7 @@ def test_the_law_in_40_digits(interaction: Interaction) -> None:
     """p = n1 d1 + grad W along the surface is n2 d2 along it, d2 a unit vector to the right side."""
     some = np.random.default_rng(3)
     mp = mpmath.mp
+    judged = 0
     with mp.workdps(40):
         for _ in range(30):
             d = some.standard_normal(3)
@@ -181,6 +184,7 @@ def test_the_law_in_40_digits(interaction: Interaction) -> None:
             sign = mp.sign(cosine) * (-1 if interaction is Interaction.REFLECT else 1)
             if square <= 0:
                 continue
+            judged += 1
             expected = [float(a + sign * mp.sqrt(square) * b) for a, b in zip(tangent, unit, strict=True)]
             numbers = tuple(map(jnp.asarray, d)), tuple(map(jnp.asarray, normal))
             along = jnp.asarray(d @ normal)
@@ -190,6 +194,7 @@ def test_the_law_in_40_digits(interaction: Interaction) -> None:
             assert bool(bends)
             # near grazing exit the direction is as uncertain as its square root
             assert_allclose(found, expected, rtol=0, atol=2e-15 / max(float(mp.sqrt(square)), 1e-3))
+    assert judged >= 20
 
 
 @every_screen
@@ -276,6 +281,30 @@ def test_a_point_mass_turns_light_by_einsteins_angle() -> None:
     assert_allclose(path.m[1], -2e-3 / np.array([1.0, 10.0]), rtol=1e-14)
 
 
+@pytest.mark.parametrize("dtype", ["float32", "float64"])
+def test_a_point_mass_is_exact_near_and_far(dtype: str) -> None:
+    radius = jnp.asarray(3.0, dtype)
+    x, y = (np.asarray(a, dtype) for a in ([1e-25, 1e-12, 3.0, 1e20, -1e30], [2e-25, 0.0, -4.0, 1e20, 0.0]))
+    path, slopes = path_and_slopes(PointMass(radius), jnp.asarray(x), jnp.asarray(y), jnp.asarray(MM, dtype))
+    wide_x, wide_y = x.astype(float), y.astype(float)
+    r = np.hypot(wide_x, wide_y)
+    close = {"rtol": 8 * float(jnp.finfo(dtype).eps)}
+    assert path.dtype == dtype
+    assert_allclose(path, -6 * np.log(r), **close)
+    assert_allclose(slopes[0], -6 * (wide_x / r) / r, **close)
+    assert_allclose(slopes[1], -6 * (wide_y / r) / r, **close)
+
+
+@pytest.mark.parametrize("dtype", ["float32", "float64"])
+def test_a_ray_through_a_point_mass_goes_straight_on(dtype: str) -> None:
+    zero, mass = jnp.zeros((), dtype), PointMass(jnp.asarray(3.0, dtype))
+    path, slopes = path_and_slopes(mass, zero, zero, zero)
+    second = jax.hessian(lambda at: mass.path(at[0], at[1], zero))(jnp.zeros(2, dtype))
+    assert path == 0
+    assert slopes == (0, 0)
+    assert jnp.isfinite(second).all()
+
+
 def test_paraxial_optics_knows_the_power_of_a_screen() -> None:
     rows = [
         {"thickness": 30.0, "stop": True, "screen": {"ideal_lens": 100.0}, "index": 1.5},
@@ -356,6 +385,28 @@ def test_bad_screens_are_refused_in_one_line(screen: dict[str, object], message:
         flat({"ideal_lens": 50.0}).replace(surface=1, screen=screen)
 
 
+@pytest.mark.parametrize(
+    ("screen", "message"),
+    [
+        (5, r"^screen takes a mapping of one key, such as .*, got 5$"),
+        ("ideal_lens", r"^screen takes a mapping of one key, such as .*, got 'ideal_lens'$"),
+        ([1], r"^screen takes a mapping of one key, such as .*, got \[1\]$"),
+        ({"zernike": {"radius": 1, "order": ["noll"], "terms": {4: 1.0}}}, r"^screen zernike: unknown order .*'noll'"),
+        (
+            {"zernike": {"radius": 1, "terms": {"4": 1.0, 4: 2.0}}},
+            r"^screen zernike: a term is given twice.* 4, 4$",
+        ),
+        ({"zernike": {"radius": 1, "terms": {"1_1": 1.0}}}, r"^screen zernike: terms are numbers and coefficients"),
+        ({"zernike": {"radius": 1, "terms": [4]}}, r"^screen zernike: terms are numbers .*, got \[4\]$"),
+        ({"zernike": {"radius": 1, "terms": {4: "a"}}}, r"^screen zernike term 4 must be a number, got 'a'$"),
+    ],
+)
+def test_replace_refuses_what_a_file_cannot_say(screen: object, message: str) -> None:
+    with pytest.raises(PrescriptionError) as caught:
+        flat(None).replace(surface=1, screen=screen)
+    assert re.search(message, str(caught.value).removeprefix("surface 1: "))
+
+
 def test_a_screen_may_be_given_as_it_is_and_taken_away() -> None:
     lens = flat(None).replace(surface=1, screen=IdealLens(70.0))
     assert float(lenstrace.first_order(lens).focal_length[0]) == pytest.approx(70.0, rel=1e-14)
@@ -363,3 +414,43 @@ def test_a_screen_may_be_given_as_it_is_and_taken_away() -> None:
     assert lens.replace(surface=1, screen={})[1].screen is None
     with pytest.raises(PrescriptionError, match="screen cannot be given to the image surface"):
         lens.replace(surface=2, screen={"ideal_lens": 50.0})
+
+
+FAR = {
+    "zernike": {"radius": 1.0, "terms": {11: 1e-5, 66: 1e-5}},
+    "grid": GRID,
+    **{kind: SCREENS[kind] for kind in ("ideal_lens", "quadratic_lens", "grating", "point_mass")},
+}
+
+
+@pytest.mark.parametrize("kind", FAR)
+@pytest.mark.parametrize("dtype", ["float32", "float64"])
+def test_rays_far_out_are_finite_with_their_derivatives(kind: str, dtype: str) -> None:
+    screen = {"screen": {kind: FAR[kind]}}
+    rows = [{"stop": True, **screen}, {"radius": 40.0, "index": 1.5, **screen}, {"mirror": True, **screen}]
+    lens = lenstrace.lens(rows, {"entrance_pupil_diameter": 20.0}, [0.0], [UM]).astype(dtype)
+    # a curved surface squares them: so far out it is finite itself
+    far = [1e5, 1e14, 1e18] if dtype == "float32" else [1e5, 1e20, 1e40, 1e60]
+    x = jnp.asarray([0.1, *far, 0.2], dtype)
+    failure, zero = jnp.zeros(x.shape, jnp.int32), 0 * x
+
+    @jax.jit
+    def total(x: jax.Array) -> tuple[jax.Array, lenstrace.Ray]:
+        start = lenstrace.Ray(x, zero, zero, zero, zero, zero + 1, failure, zero)
+        end = lenstrace.trace(lens, rays=start, path=False)
+        assert end.opl is not None
+        return jnp.sum(end.x + end.l + end.opl), end
+
+    slope, end = jax.grad(total, has_aux=True)(x)
+    assert slope.dtype == dtype
+    assert jnp.isfinite(slope).all(), slope
+    for name in ("x", "y", "z", "l", "m", "n", "opl"):
+        assert jnp.isfinite(getattr(end, name)).all(), name
+
+
+def test_a_clipped_ray_meets_screens_where_it_is() -> None:
+    rows = [{"stop": True, "aperture": {"circle": 1.0}}, {"screen": {"quadratic_lens": 50.0}, "thickness": 100.0}]
+    lens = lenstrace.lens(rows, {"entrance_pupil_diameter": 20.0}, [0.0], [UM])
+    end = lenstrace.trace(lens, rays=lenstrace.ray((0.0, 5.0, 0.0), (0.0, 0.0, 1.0)))
+    assert RayStatus(int(end.status[-1])) is RayStatus.CLIPPED
+    assert float(end.m[2]) == pytest.approx(-0.1, rel=1e-14)

@@ -13,6 +13,7 @@ from lenstrace.compute.pytree import is_traced, pytree
 from lenstrace.optics.screens.screen import Number, Screen, plain, unless_sound
 
 LEAST = 4  # values along a side, for a cubic
+REACH = 1e4  # cells beyond the grid where the polynomial at its edge ends: its sixth power is finite in float32
 
 
 @pytree
@@ -20,7 +21,8 @@ class GridScreen(Screen):
     """W between its values at equidistant points: the cubic spline through them, twice continuously differentiable.
 
     values:      (J, I), mm, W at x = -half_width[0] ... half_width[0] along a row, y = -half_width[1] ...
-                 half_width[1] from row to row. Beyond the grid the polynomial at its edge goes on.
+                 half_width[1] from row to row. Beyond the grid the polynomial at its edge goes on, for REACH cells;
+                 from there W is constant along x or y, so that it stays finite.
     half_width:  mm, along x and y.
 
     With "not a knot" at both ends it is exact for cubic polynomials.
@@ -83,7 +85,7 @@ class _Spline(Screen):
 
 def _pieces(x: jax.Array, half_width: Number, count: int) -> tuple[jax.Array, list[jax.Array]]:
     """The cell of a grid of `count` points that x lies in, and the four B-splines there."""
-    u = (x + half_width) * ((count - 1) / 2 / half_width)
+    u = jnp.clip((x + half_width) * ((count - 1) / 2 / half_width), -REACH, count - 1 + REACH)
     cell = jnp.clip(jnp.floor(jax.lax.stop_gradient(u)), 0, count - 2)
     t = u - cell
     s = 1 - t

@@ -20,9 +20,16 @@ class PointMass(Screen):
     schwarzschild_radius: Number
 
     def path(self, x: jax.Array, y: jax.Array, wavelength: jax.Array) -> jax.Array:  # noqa: ARG002
-        """W, mm; 0 at the mass."""
-        r2 = x * x + y * y
-        return -self.schwarzschild_radius * jnp.where(r2 > 0, jnp.log(jnp.where(r2 > 0, r2, 1)), 0)
+        """W, mm; 0 at the mass.
+
+        With s = max(|x|, |y|), ln r = ln s + ln((x/s)^2 + (y/s)^2) / 2 neither overflows nor underflows; it is the same
+        for any s, which is therefore a constant to derivatives.
+        """
+        size = jax.lax.stop_gradient(jnp.maximum(jnp.abs(x), jnp.abs(y)))
+        size = jnp.where(size > 0, size, 1)
+        u, v = x / size, y / size
+        square = u * u + v * v
+        return -self.schwarzschild_radius * (2 * jnp.log(size) + jnp.log(jnp.where(square > 0, square, 1)))
 
     @property
     def is_round(self) -> bool:

@@ -6,6 +6,7 @@ surface that carries the screen, in its own frame. On a mirror W is what the lig
 
 from __future__ import annotations
 
+import functools
 import math
 from typing import Self
 
@@ -62,6 +63,8 @@ def path_and_slopes(
     return value, (along_x, along_y)
 
 
+# traced once for each kind of screen, however often a question asks for the powers of a lens
+@functools.partial(jax.jit, inline=True)
 def power_at_vertex(screen: Screen, wavelength: jax.Array) -> jax.Array:
     """-d^2 W / dy^2 at the vertex, 1/mm: the paraxial power in the y-z plane."""
     zero = jnp.zeros_like(wavelength)
