@@ -120,6 +120,8 @@ def _keys(name: str, found: Demonstration) -> dict[str, Any]:
             "measured": row.measured,
             "theory": row.theory,
             "difference": row.difference,
+            "within": row.tolerance,
+            "agrees": row.agrees,
         }
         for row in found.rows
     ]

@@ -31,6 +31,11 @@ class Comparison:
         return 0.0 if self.measured == self.theory else float(self.measured) - float(self.theory)
 
     @property
+    def tolerance(self) -> float:
+        """The largest difference that is agreement: `within`, or what stands for it."""
+        return RELATIVE_TOLERANCE * abs(float(self.theory)) if self.within is None else float(self.within)
+
+    @property
     def texts(self) -> tuple[str, str, str]:
         """Measured, theory and difference for a reader."""
         return f"{self.measured + 0.0:.12g}", f"{self.theory + 0.0:.12g}", f"{self.difference + 0.0:.1e}"
@@ -38,8 +43,7 @@ class Comparison:
     @property
     def agrees(self) -> bool:
         """True where the two differ by no more than they may; False where one of them is not a number."""
-        within = RELATIVE_TOLERANCE * abs(float(self.theory)) if self.within is None else self.within
-        return not math.isnan(self.difference) and abs(self.difference) <= within
+        return not math.isnan(self.difference) and bool(abs(self.difference) <= self.tolerance)
 
 
 @dataclass_transform(frozen_default=True, kw_only_default=True, eq_default=False)

@@ -24,6 +24,9 @@ from lenstrace.errors import OptionError
 Arguments = ParamSpec("Arguments")
 Result = TypeVar("Result")
 
+# Of a refractive index, in absolute value: what the demonstrations are made for.
+INDEX_SIZE = LEAST_INDEX, MOST_INDEX = 0.1, 10.0
+
 
 @dataclasses.dataclass(frozen=True)
 class Option:
@@ -33,6 +36,7 @@ class Option:
     least, most:    smallest and largest value that is allowed.
     above, below:   values that it must stay clear of on either side.
     not_zero:       0 is refused.
+    size:           smallest and largest absolute value, of a number of either sign.
     plane:          inf is allowed, of a radius: a plane.
     slider:         the range of a slider, where it is not that of the values.
     choices:        the words that are allowed, of an option that is a word; any word where none are given.
@@ -45,6 +49,7 @@ class Option:
     above: float = -math.inf
     below: float = math.inf
     not_zero: bool = False
+    size: tuple[float, float] | None = None
     plane: bool = False
     slider: tuple[float, float] | None = None
     choices: tuple[str, ...] = ()
@@ -55,6 +60,7 @@ class Option:
         bounds = (("at least", self.least), ("above", self.above), ("at most", self.most), ("below", self.below))
         words = [f"{word} {bound:g}{self._unit}" for word, bound in bounds if math.isfinite(bound)]
         words += ["other than 0"] if self.not_zero else []
+        words += ["from {0:g} to {1:g} or from -{1:g} to -{0:g}".format(*self.size)] if self.size else []
         words += [f"one of {', '.join(self.choices)}"] if self.choices else []
         return " and ".join(words) + (" (inf for a plane)" if self.plane else "")
 
@@ -69,7 +75,23 @@ class Option:
         if self.plane and value == math.inf:
             return True
         inside = self.least <= value <= self.most and self.above < value < self.below
+        inside = inside and (self.size is None or self.size[0] <= abs(value) <= self.size[1])
         return inside and math.isfinite(value) and not (self.not_zero and value == 0)
+
+
+def positive_index(meaning: str, slider: tuple[float, float] | None = None) -> Option:
+    """A refractive index above 0."""
+    return Option(meaning, least=LEAST_INDEX, most=MOST_INDEX, slider=slider)
+
+
+def negative_index(meaning: str, slider: tuple[float, float] | None = None) -> Option:
+    """A refractive index below 0."""
+    return Option(meaning, least=-MOST_INDEX, most=-LEAST_INDEX, slider=slider)
+
+
+def index_of_either_sign(meaning: str, slider: tuple[float, float] | None = None) -> Option:
+    """A refractive index, not near 0."""
+    return Option(meaning, size=INDEX_SIZE, slider=slider)
 
 
 @dataclasses.dataclass(frozen=True)

@@ -1,5 +1,6 @@
 """Every demonstration, as it is by default: it agrees with theory, its picture can be drawn, it refuses bad options."""
 
+import importlib
 import math
 
 import pytest
@@ -31,6 +32,13 @@ def test_agrees_with_theory_and_is_drawn(name: str) -> None:
 
 
 @every_demonstration
+def test_has_a_picture_module(name: str) -> None:
+    """It is found by the place of the demonstration alone."""
+    module = f"lenstrace.plotting.phenomena.{PLACES[name]}.{name.replace('-', '_')}"
+    assert 1 <= len(importlib.import_module(module).PANELS) <= 2
+
+
+@every_demonstration
 def test_explains_itself(name: str) -> None:
     assert 10 < len(summary(name)) < 90
     assert getattr(phenomena, name.replace("-", "_")) is find(name)
@@ -47,6 +55,7 @@ def refused(argument: Argument) -> list[object]:
         return ["no such choice"] if option.choices else [3.0]
     values: list[object] = [math.nan, -math.inf if option.plane else math.inf, "x", True]
     values += [0.0] if option.not_zero else []
+    values += [0.0, option.size[0] / 2, -2 * option.size[1]] if option.size else []
     values += [bound for bound in (option.above, option.below) if math.isfinite(bound)]
     values += [option.least - 1] if math.isfinite(option.least) else []
     values += [option.most + 1] if math.isfinite(option.most) else []

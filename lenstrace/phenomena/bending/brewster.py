@@ -68,9 +68,7 @@ def brewster(
     places, weights = np.polynomial.legendre.leggauss(NODES)
     cosines, weights = (places + 1) / 2, weights / 2
     angles = np.concatenate([np.arccos(cosines), [t, math.pi / 4], CURVE])
-    # of the same rays inside: as a function of the cosine outside everything is smooth
-    inside = np.sqrt(1 - np.sin(angles) ** 2 / index**2)
-    polarizing, bent, outer, inner = jax.device_get(_measured(index, np.cos(angles), inside))
+    polarizing, bent, outer, inner = jax.device_get(_measured(index, angles))
     (s, s_45, *s_curve, s_there), (p, p_45, *p_curve, p_there) = outer[:, NODES:]
     diffuse = (2 * weights * cosines * outer[:, :NODES].mean(0)).sum()
     # cos t sin t dt inside is that outside, divided by n^2; beyond the critical angle all is reflected
@@ -78,15 +76,17 @@ def brewster(
     reflectance, transmittance = _by_amplitudes(np.append(t, CURVE), index)
     walsh = _walsh(index)
     at = f"at {angle:.4g} deg"
+    # what rounding of the ray behind makes of the cosine before the surface
+    grazing = ROUNDING * index**2 / math.cos(t)
     rows = (
         Comparison("Brewster's angle", "deg", math.degrees(polarizing[0]), math.degrees(theory)),
         Comparison("refracted ray there", "deg", math.degrees(bent[0]), 90 - math.degrees(theory)),
         Comparison("there: R_p", "", p_there, 0.0, ROUNDING),
         Comparison("there: R_s", "", s_there, ((index**2 - 1) / (index**2 + 1)) ** 2),
-        Comparison(f"{at}: R_s", "", s, reflectance[0, 0], ROUNDING),
-        Comparison(f"{at}: R_p", "", p, reflectance[1, 0], ROUNDING),
-        Comparison(f"{at}: R_s + T_s", "", s + transmittance[0, 0], 1.0, ROUNDING),
-        Comparison(f"{at}: R_p + T_p", "", p + transmittance[1, 0], 1.0, ROUNDING),
+        Comparison(f"{at}: R_s", "", s, reflectance[0, 0], grazing),
+        Comparison(f"{at}: R_p", "", p, reflectance[1, 0], grazing),
+        Comparison(f"{at}: R_s + T_s", "", s + transmittance[0, 0], 1.0, grazing),
+        Comparison(f"{at}: R_p + T_p", "", p + transmittance[1, 0], 1.0, grazing),
         Comparison("at 45 deg: R_p / R_s, which is R_s", "", p_45 / s_45, s_45),
         Comparison("light from all sides, outside: R", "", diffuse, walsh),
         Comparison("light from all sides, inside: R", "", trapped, 1 - (1 - walsh) / index**2),
@@ -105,11 +105,12 @@ def brewster(
 
 
 @jax.jit
-def _measured(
-    index: jax.Array, cosines: jax.Array, inside: jax.Array
-) -> tuple[jax.Array, jax.Array, jax.Array, jax.Array]:
+def _measured(index: jax.Array, angles: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array, jax.Array]:
     """The angle where refracted and reflected ray are at right angles and that of the refracted one, (1,); R_s and R_p
-    (2, ...) at `cosines` and there, from outside, and at the cosines `inside` from inside."""
+    (2, ...) of light that comes at the angles, and there, and of that which comes back their way from inside.
+
+    Either is that of the other side, whose angle the ray there has.
+    """
 
     def rays(angle: jax.Array) -> tuple[Vector, Vector]:
         zero = jnp.zeros_like(angle)
@@ -118,10 +119,10 @@ def _measured(
 
     zero = jnp.zeros((1,))
     polarizing = edge(lambda angle: dot(*rays(angle)) < 0, zero, zero + math.pi / 2)
-    (_, y, z), _ = rays(polarizing)
+    (_, y, z), (_, _, back) = rays(jnp.append(angles, polarizing))
     one = jnp.ones_like(index)
-    outer = reflectances(jnp.append(cosines, jnp.cos(polarizing)), one, index)
-    return polarizing, jnp.arctan2(y, z), jnp.stack(outer), jnp.stack(reflectances(inside, index, one))
+    outer, inner = reflectances(jnp.abs(z), index, one), reflectances(jnp.abs(back), one, index)
+    return polarizing, jnp.arctan2(y, z)[-1:], jnp.stack(outer), jnp.stack(inner)
 
 
 def _by_amplitudes(angles: np.ndarray, index: float) -> tuple[np.ndarray, np.ndarray]:

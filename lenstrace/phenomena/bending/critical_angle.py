@@ -49,7 +49,7 @@ class CriticalAngle(Demonstration):
     totally:         (N,), which are reflected totally.
     critical:        the angle measured.
     angles:          (A,), inside, up to 90 degrees.
-    curves, theory:  (2, A), R_s and R_p of the tracer, and by the closed forms.
+    curves, theory:  (2, A), R_s and R_p at the angles of the traced rays, and by the closed forms.
     indices:         inside and outside.
     """
 
@@ -142,11 +142,13 @@ def _measured(
 
     zero = jnp.zeros((1,))
     critical = edge(goes_on, zero, zero + math.pi / 2)
-    return (
-        critical,
-        behind(jnp.append(critical, DRAWN)),
-        *reflectances(jnp.cos(jnp.append(critical, angles)), index, outside),
-    )
+    every = behind(jnp.concatenate([critical, DRAWN, angles]))
+    # a surface reflects as much of the light that comes back the way of a ray; of one that does not go on, its own way
+    on = every.ok
+    s, p = reflectances(jnp.abs(every.n), jnp.where(on, outside, index), jnp.where(on, index, outside))
+    count = 1 + len(DRAWN)
+    drawn = jax.tree.map(lambda a: a[:count], every)
+    return critical, drawn, jnp.append(s[:1], s[count:]), jnp.append(p[:1], p[count:])
 
 
 def _reflectances(angles: np.ndarray, index: float, outside: float) -> np.ndarray:

@@ -70,7 +70,7 @@ def fermat(
     lens: Lens | None = None,
     field: Annotated[float, Option("field, in parts of the largest one", least=-1, most=1)] = 1.0,
     pupil: Annotated[float, Option("height in the pupil, in parts of its radius", least=-1, most=1)] = 0.8,
-    end: Annotated[float, Option("where the path ends, in parts of the way to the image", above=0, most=3)] = 0.7,
+    end: Annotated[float, Option("where the path ends, in parts of the way to the image", least=1e-3, most=3)] = 0.7,
 ) -> Fermat:
     """Fermat's principle: the path of a ray is stationary, and a minimum up to its focus.
 

@@ -12,7 +12,9 @@ Source: J. C. Maxwell, Camb. Dublin Math. J. 8, 188 (1854); Born & Wolf, Princip
 
 from __future__ import annotations
 
+import functools
 import math
+from collections.abc import Callable
 from typing import Annotated
 
 import jax
@@ -38,7 +40,8 @@ class FishEye(Demonstration):
     radius:        R, where the index is half that at the centre.
     source, image: z of them, both with y = 0.
     ray_z, ray_y:  (samples, N), the course of N rays.
-    cost:          of tolerances: error of the image, in units of its distance from the point.
+    cost:          computed when it is called, of tolerances: error of the image, in units of its distance from
+                   the point.
     """
 
     radius: float
@@ -46,7 +49,7 @@ class FishEye(Demonstration):
     image: float
     ray_z: np.ndarray
     ray_y: np.ndarray
-    cost: Cost
+    cost: Callable[[], Cost]
 
 
 @pytree
@@ -94,7 +97,8 @@ def fish_eye(
     # of the circle's equation, divided by the length of its gradient
     off_circle = ((z + before) * (z - behind) + y * y) * np.sin(angles) / apart + y * np.cos(angles)
     path, path_theory = np.asarray(course.end.opl), math.pi * index * radius / 2
-    within = GROWTH * tolerance
+    # where the index is that much less than at the centre, an error of n d turns a ray that much farther
+    within = GROWTH * tolerance * (1 + max(source, 1 / source) ** 2)
     return FishEye(
         setting=f"a medium of index {index:g} / (1 + r^2 / R^2), R = {radius:g} mm, and {2 * rays} rays from a point "
         f"{before:g} mm from its centre",
@@ -118,7 +122,7 @@ def fish_eye(
         image=behind,
         ray_z=z,
         ray_y=y,
-        cost=cost(follow, farthest),
+        cost=functools.cache(lambda: cost(follow, farthest)),
     )
 
 

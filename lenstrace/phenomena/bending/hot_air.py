@@ -7,6 +7,7 @@ q = n sin t downward at the eye's height e, in the parameter t = z / C of `optic
                                  T = (2 h / sqrt(E)) arsinh(q / sqrt(F exp(-e / h)));
     n^2 = 1 - F + F y / h:       y = e - q t + F t^2 / 4h,  a parabola,  T = 2 h q / F.
 
+The second has no cool air above: it is that of air up to the height h, at which n is 1.
 Rays turn upward at t = T and are back at the height e at t = 2 T; those that would turn below 0 end on the road.
 n - 1 of air is inverse to its absolute temperature (Gladstone and Dale). The paths follow from d^2 y / dt^2 =
 (1/2) d(n^2)/dy, once integrated.
@@ -43,6 +44,11 @@ class Exponential:
     fall: jax.Array | float
     layer: jax.Array | float
 
+    @property
+    def top(self) -> float:
+        """The height up to which it holds, m."""
+        return math.inf
+
     def square(self, _x: jax.Array, y: jax.Array, _z: jax.Array) -> jax.Array:
         """n^2 at points, m."""
         return 1 - self.fall * jnp.exp(-y / self.layer)
@@ -70,6 +76,11 @@ class Linear:
 
     fall: jax.Array | float
     layer: jax.Array | float
+
+    @property
+    def top(self) -> float:
+        """The height up to which it holds, m."""
+        return float(self.layer)
 
     def square(self, _x: jax.Array, y: jax.Array, _z: jax.Array) -> jax.Array:
         """n^2 at points, m."""

@@ -12,7 +12,9 @@ Source: R. K. Luneburg, Mathematical Theory of Optics (1944).
 
 from __future__ import annotations
 
+import functools
 import math
+from collections.abc import Callable
 from typing import Annotated
 
 import jax
@@ -37,14 +39,14 @@ class Luneburg(Demonstration):
 
     radius:        of the ball.                  focus: (2,), z and y of it.
     ray_z, ray_y:  (samples + 1, N), the course of N rays.
-    cost:          of tolerances: error of the focus in radii.
+    cost:          computed when it is called, of tolerances: error of the focus in radii.
     """
 
     radius: float
     focus: np.ndarray
     ray_z: np.ndarray
     ray_y: np.ndarray
-    cost: Cost
+    cost: Callable[[], Cost]
 
 
 @pytree
@@ -92,7 +94,8 @@ def luneburg(
     off_ellipse = np.hypot(*(course.points[1:] - ellipse)).max()
     path = np.asarray(course.end.opl) + radius * (1 - depths)
     arrival = (np.stack([course.end.m, course.end.n])[:, -1:] * np.hstack([across, along])).sum(0)
-    within = GROWTH * tolerance
+    # a ray that grazes the ball is displaced that much farther along its surface
+    within = GROWTH * tolerance / math.sqrt(1 - aperture**2)
     path_theory = radius * (1 + math.pi / 2)
     drawn = np.concatenate([(entry - (BEFORE + 1 - depths) * radius * along)[:, None], course.points[1:]], 1)
     return Luneburg(
@@ -116,5 +119,5 @@ def luneburg(
         focus=radius * along[::-1, 0],
         ray_z=drawn[1],
         ray_y=drawn[0],
-        cost=cost(follow, farthest),
+        cost=functools.cache(lambda: cost(follow, farthest)),
     )

@@ -7,6 +7,7 @@ Source: M. Minnaert, Light and Color in the Outdoors (1993), for the phenomenon.
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from typing import Annotated
 
@@ -27,7 +28,8 @@ SAMPLES = 201  # along each
 GRAZING = 0.9999  # of the steepest angle that clears the road
 TRIED = 2001  # angles, to find how much of the object to show
 HIGHER = 1.1  # than the eye and than what is seen upside down, the object is shown
-CONSERVED = 100.0  # times the tolerance of a step: what n cos t may change by
+# Longer steps may pass over the layer, where it is thin and the object far, without meeting it.
+FINE_STEPS = dataclasses.replace(STEP_ERROR, most=1e-9)
 LONGER = 1.1  # than the closed form says, rays are followed
 
 
@@ -58,18 +60,24 @@ def mirage(
     air: Annotated[float, Option("temperature of the air above", "deg C", least=-50, most=60)] = 30.0,
     layer: Annotated[float, Option("height of the warm layer", "m", least=0.02, most=5)] = 0.1,
     eye: Annotated[float, Option("height of the eye", "m", least=0.1, most=10)] = 1.5,
-    distance: Annotated[float, Option("distance of the object", "m", least=1, most=1e5, slider=(300, 2000))] = 500.0,
+    distance: Annotated[float, Option("distance of the object", "m", least=1, most=1e4, slider=(300, 2000))] = 500.0,
     angles: Annotated[tuple[float, ...], Option("rays of the table, downward", "deg", least=1e-3, most=30)] = (
         *(0.1, 0.25, 0.38),
     ),
-    tolerance: Annotated[float, STEP_ERROR] = 1e-12,
+    tolerance: Annotated[float, FINE_STEPS] = 1e-12,
 ) -> Mirage:
     """A mirage over a hot road: rays that turn before they reach it, and an image upside down.
 
-    OptionError where the road is not the warmer, a ray of the table ends on it, or the object is too near.
+    OptionError where the road is not the warmer, a ray of the table ends on it, or the object is too near; and in the
+    linear profile, where n^2 rises without end, for an eye or an object that would be above the layer.
     """
     if road <= air:
         raise OptionError(f"mirage: the road must be warmer than the air, got {road:g} and {air:g} deg C")
+    if profile == "linear" and eye > layer:
+        raise OptionError(
+            f"mirage: in a linear profile the eye must be within the layer, got eye {eye:g} m and layer {layer:g} m; "
+            "raise the layer, or lower the eye"
+        )
     hot = PROFILES[profile](fall_of(road, air), layer)
     limit = steepest(hot, eye)
     below = np.radians(angles)
@@ -98,10 +106,14 @@ def mirage(
 
     back_at = 2 * theory.turn
     reach = LONGER * (back_at / theory.invariant).max()
-    # an error of the height moves the place where a flat ray is back
-    back_within = GROWTH * tolerance * (back_at + FLOOR * reach / np.sin(below))
+    # of the height behind a whole course, which moves the place where a flat ray is back
+    height_error = eye + FLOOR * reach + back_at * (FLOOR + np.sin(below))
+    back_error = back_at + height_error / np.tan(below)
     table = through(hot, _from_eye(eye, -np.tile(below, 2)), reach, turned_or_back, tolerance=tolerance)
     reach = LONGER * distance / of_object.invariant.min()
+    # the closed form says how far an error of the angle carries
+    carried = abs(np.gradient(of_object.height, seen)) * (FLOOR + abs(np.sin(seen)))
+    object_error = (eye + of_object.height + FLOOR * reach + carried).max()
     drawn = through(hot, _from_eye(eye, seen), reach, at_object, tolerance=tolerance, samples=SAMPLES)
 
     turn, back = np.split(table.points[:, -1], 2, 1)
@@ -111,13 +123,15 @@ def mirage(
     for i, angle in enumerate(angles):
         at = f"ray at {angle:.4g} deg"
         rows += [
-            Comparison(f"{at}: height where it turns", "m", turn[1, i], theory.lowest[i], within * eye),
-            Comparison(f"{at}: distance where it is back", "m", back[2, i], back_at[i], back_within[i]),
-            Comparison(f"{at}: n cos t there", "", invariant[i], theory.invariant[i], CONSERVED * tolerance),
+            Comparison(f"{at}: height where it turns", "m", turn[1, i], theory.lowest[i], within * height_error[i]),
+            Comparison(f"{at}: distance where it is back", "m", back[2, i], back_at[i], within * back_error[i]),
+            Comparison(f"{at}: n cos t there", "", invariant[i], theory.invariant[i], within),
         ]
     heights = drawn.points[1, -1]
     off = abs(heights - of_object.height).max()
-    rows.append(Comparison("largest departure of a ray from its height on the object", "m", off, 0, within * distance))
+    rows.append(
+        Comparison("largest departure of a ray from its height on the object", "m", off, 0, within * object_error)
+    )
     return Mirage(
         setting=f"a road at {road:g} deg C, air at {air:g} deg C, {profile} in a layer of {layer:g} m; an eye "
         f"{eye:g} m high, an object {distance:g} m away",
@@ -140,9 +154,14 @@ def _from_eye(eye: float, angles: np.ndarray) -> Ray:
 
 def _seen(hot: HotAir, eye: float, distance: float, limit: float) -> np.ndarray:
     """Angles above the horizontal, radians, (RAYS,), under which the object is seen: from the steepest to where the
-    upright image reaches higher than the inverted one, and than the eye."""
+    upright image reaches higher than the inverted one, and than the eye, or to the top of the profile."""
     tried = np.linspace(-limit, limit + math.atan(2 * eye / distance), TRIED)
     heights = hot.paths(eye, -tried, distance).height
+    if heights[:2].max() > hot.top:
+        raise OptionError(
+            f"mirage: an object {distance:g} m away is seen only above the layer of {hot.top:g} m; put it nearer"
+        )
     upright = np.arange(TRIED) > heights.argmin()
-    high = upright & (heights > HIGHER * max(heights[0], eye))
-    return np.linspace(-limit, tried[high.argmax() if high.any() else -1], RAYS)
+    high = upright & (heights > min(HIGHER * max(heights[0], eye), hot.top))
+    last = high.argmax() if high.any() else TRIED
+    return np.linspace(-limit, tried[last - 1], RAYS)

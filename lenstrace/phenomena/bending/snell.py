@@ -19,17 +19,15 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from lenstrace.errors import OptionError
 from lenstrace.optics.vectors import Vector, dot
 from lenstrace.phenomena.demonstration import Comparison, Demonstration, result
-from lenstrace.phenomena.options import Option, demonstration
+from lenstrace.phenomena.options import Option, demonstration, index_of_either_sign, positive_index
 from lenstrace.phenomena.surface import reflected, refracted
 
 # T, N and the direction across both: rows of a rotation matrix of small whole numbers.
 ALONG, ACROSS, ASIDE = np.array([[3, -6, 2], [2, 3, 6], [-6, -2, 3]]) / 7
 SWEEP = 1 - np.linspace(1, 0.01, 61) ** 2  # of the largest angle that is refracted: closer where the curve is steep
 ROUNDING = 1e-14  # of unit vectors, and of sines
-THINNEST = 0.1  # least size of an index
 
 
 @result
@@ -63,14 +61,10 @@ class _Bent(NamedTuple):
 @demonstration
 def snell(
     angle: Annotated[float, Option("angle of incidence", "deg", least=0, most=89.9)] = 30.0,
-    index: Annotated[
-        float, Option("refractive index behind the surface", least=-10, most=10, not_zero=True, slider=(1, 3))
-    ] = 1.5,
-    index_before: Annotated[float, Option("refractive index before it", least=THINNEST, most=10, slider=(1, 3))] = 1.0,
+    index: Annotated[float, index_of_either_sign("refractive index behind the surface", (1, 3))] = 1.5,
+    index_before: Annotated[float, positive_index("refractive index before it", (1, 3))] = 1.0,
 ) -> Snell:
     """Snell's law: a ray is bent at a plane surface, in the plane of incidence."""
-    if abs(index) < THINNEST:
-        raise OptionError(f"snell: index must be {THINNEST:g} or more, or {-THINNEST:g} or less, got {index:g}")
     t = math.radians(angle)
     largest = math.asin(min(1.0, abs(index) / index_before))
     angles = np.append(t, SWEEP * largest)

@@ -11,11 +11,11 @@ from lenstrace.optics.graded import Course
 from lenstrace.phenomena.options import Option
 
 TOLERANCES = np.geomspace(1e-2, 1e-13, 12)
-# How much larger than the tolerance of one step the error of a whole course may be: the errors of steps add up, and a
-# ray may enlarge them on its way.
-GROWTH = 1e3
+# How much larger than the tolerance of one step the error of a whole course may be, for the errors of steps add up:
+# measured, up to 13. What a ray itself makes of an error on its way comes on top of that.
+GROWTH = 30.0
 
-STEP_ERROR = Option("relative error of a step", least=1e-13, most=1e-3)
+STEP_ERROR = Option("relative error of a step", least=1e-13, most=1e-6)
 
 
 class Cost(NamedTuple):

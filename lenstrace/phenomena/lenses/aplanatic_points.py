@@ -78,7 +78,7 @@ def aplanatic_points(
         *(10.0, 30.0, 50.0),
     ),
     moved: Annotated[
-        float, Option("distance of the moved point from the centre, in units of the aplanatic one", above=0, most=1)
+        float, Option("distance of the moved point from the centre, in units of the aplanatic one", least=1e-3, most=1)
     ] = 0.8,
 ) -> AplanaticPoints:
     """The aplanatic points of a sphere: an image without spherical aberration or coma.

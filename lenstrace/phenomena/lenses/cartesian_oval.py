@@ -78,7 +78,7 @@ def cartesian_oval(
     index: Annotated[float, Option("refractive index of the glass", least=1.1, most=5, slider=(1.3, 2.5))] = 1.5,
     source: Annotated[float, Option("distance of the point before the surface", "mm", least=0.1, most=1e5)] = 100.0,
     image: Annotated[float, Option("distance of its image in the glass", "mm", least=0.1, most=1e5)] = 150.0,
-    aperture: Annotated[float, Option("sine of the steepest ray", above=0, below=1, slider=(0.02, 0.16))] = 0.15,
+    aperture: Annotated[float, Option("sine of the steepest ray", least=1e-3, below=1, slider=(0.02, 0.16))] = 0.15,
 ) -> CartesianOval:
     """Cartesian ovals: the surfaces that image a point perfectly.
 

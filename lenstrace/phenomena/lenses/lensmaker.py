@@ -21,7 +21,7 @@ from lenstrace.phenomena.demonstration import Comparison, Demonstration, result
 from lenstrace.phenomena.lenses.drawing import course
 from lenstrace.phenomena.lenses.near_axis import Neighbours, cardinal, neighbours
 from lenstrace.phenomena.lenses.singlet import half_height, outline, powers, singlet
-from lenstrace.phenomena.options import Option, demonstration
+from lenstrace.phenomena.options import Option, demonstration, positive_index
 from lenstrace.sequential.lens import Lens
 
 NO_POWER = 1e-9  # of the powers of its parts: of a lens that has less, rounding leaves nothing
@@ -59,8 +59,8 @@ def lensmaker(
     radius_1: Annotated[float, Option("radius of the first surface", "mm", not_zero=True, plane=True)] = 50.0,
     radius_2: Annotated[float, Option("radius of the second surface", "mm", not_zero=True, plane=True)] = -50.0,
     thickness: Annotated[float, Option("thickness", "mm", above=0, slider=(0.5, 40))] = 12.0,
-    index: Annotated[float, Option("refractive index of the lens", above=0, slider=(1.3, 2.5))] = 1.5168,
-    surroundings: Annotated[float, Option("refractive index around the lens", above=0, slider=(1, 2))] = 1.0,
+    index: Annotated[float, positive_index("refractive index of the lens", (1.3, 2.5))] = 1.5168,
+    surroundings: Annotated[float, positive_index("refractive index around the lens", (1, 2))] = 1.0,
 ) -> Lensmaker:
     """The lensmaker's formula: the focal length of a lens from its radii.
 

@@ -24,7 +24,7 @@ from lenstrace.phenomena.demonstration import Comparison, Demonstration, result
 from lenstrace.phenomena.lenses.drawing import bare
 from lenstrace.phenomena.lenses.near_axis import Neighbours, cardinal, neighbours
 from lenstrace.phenomena.lenses.singlet import powers, singlet
-from lenstrace.phenomena.options import Option, demonstration
+from lenstrace.phenomena.options import Option, demonstration, positive_index
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.paraxial import FirstOrder, signed_index
 from lenstrace.sequential.system import Placement
@@ -64,8 +64,8 @@ def principal_planes(
     radius_1: Annotated[float, Option("radius of the first surface", "mm", not_zero=True, plane=True)] = 40.0,
     radius_2: Annotated[float, Option("radius of the second surface", "mm", not_zero=True, plane=True)] = -60.0,
     thickness: Annotated[float, Option("thickness of the lens", "mm", above=0, slider=(1, 60))] = 25.0,
-    index: Annotated[float, Option("refractive index of the lens", above=0, slider=(1, 2.5))] = 1.6,
-    behind: Annotated[float, Option("refractive index behind the lens", above=0, slider=(1, 2))] = 1.333,
+    index: Annotated[float, positive_index("refractive index of the lens", (1, 2.5))] = 1.6,
+    behind: Annotated[float, positive_index("refractive index behind the lens", (1, 2))] = 1.333,
 ) -> PrincipalPlanes:
     """Principal planes of a lens, by the rays that define them; Newton's and Gauss's equations.
 

@@ -26,7 +26,7 @@ from lenstrace.compute.compiled import compiled
 from lenstrace.errors import OptionError
 from lenstrace.optics.rays import living
 from lenstrace.phenomena.demonstration import Comparison, Demonstration, result
-from lenstrace.phenomena.options import Option, demonstration
+from lenstrace.phenomena.options import Option, demonstration, negative_index, positive_index
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.prescription import lens
 
@@ -70,10 +70,10 @@ class _Angles(NamedTuple):
 
 @demonstration
 def negative_prism(
-    index: Annotated[float, Option("refractive index of the prism", least=-10, most=-0.1, slider=(-3, -1))] = -2.7,
+    index: Annotated[float, negative_index("refractive index of the prism", (-3, -1))] = -2.7,
     apex: Annotated[float, Option("angle between its faces", "deg", above=0, most=90, slider=(2, 60))] = 18.43,
-    incidence: Annotated[float, Option("from the normal, up is positive", "deg", least=-60, most=60)] = 0.0,
-    surroundings: Annotated[float, Option("refractive index around it", least=0.1, most=10, slider=(1, 2))] = 1.0,
+    incidence: Annotated[float, Option("from the normal, up is positive", "deg", least=-60, most=60)] = 5.0,
+    surroundings: Annotated[float, positive_index("refractive index around it", (1, 2))] = 1.0,
 ) -> NegativePrism:
     """A prism of negative index bends light toward its edge, away from its base.
 

@@ -16,10 +16,10 @@ import jax.numpy as jnp
 import numpy as np
 
 from lenstrace.analysis.rays import trace
-from lenstrace.errors import OptionError
 from lenstrace.optics.rays import Ray, living
 from lenstrace.phenomena.demonstration import Comparison, Demonstration, result
-from lenstrace.phenomena.options import Option, demonstration
+from lenstrace.phenomena.negative_index.total_reflection import refuse_total_reflection
+from lenstrace.phenomena.options import Option, demonstration, index_of_either_sign, positive_index
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.prescription import lens
 
@@ -53,21 +53,16 @@ class NegativeWaves(Demonstration):
 
 @demonstration
 def negative_waves(
-    index: Annotated[float, Option("refractive index of the plate", not_zero=True, slider=(-3, -0.6))] = -1.5,
-    angle: Annotated[float, Option("angle of the beam", "deg", least=0, below=90, slider=(0, 80))] = 30.0,
-    surroundings: Annotated[float, Option("refractive index around it", above=0, slider=(1, 2))] = 1.0,
+    index: Annotated[float, index_of_either_sign("refractive index of the plate", (-3, -0.6))] = -1.5,
+    angle: Annotated[float, Option("angle of the beam", "deg", least=0, most=89.9, slider=(0, 80))] = 30.0,
+    surroundings: Annotated[float, positive_index("refractive index around it", (1, 2))] = 1.0,
 ) -> NegativeWaves:
     """Waves in a negative index: energy goes forward, phase goes back.
 
     OptionError where the beam is reflected totally.
     """
     sine = math.sin(math.radians(angle))
-    if surroundings * sine >= abs(index):
-        limit = math.degrees(math.asin(abs(index) / surroundings))
-        raise OptionError(
-            f"negative-waves: a beam at {angle:g} deg is reflected totally at the index {index:g}; keep angle below "
-            f"{limit:.4g} deg"
-        )
+    refuse_total_reflection("negative-waves", math.radians(angle), index, surroundings, "angle")
     plate = lens(
         [{"thickness": THICKNESS, "index": index, "stop": True}, {"index": surroundings}],
         {"entrance_pupil_diameter": 1.0},

@@ -19,16 +19,17 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from lenstrace.errors import OptionError
 from lenstrace.phenomena.axis import Fan, fan
 from lenstrace.phenomena.demonstration import RELATIVE_TOLERANCE, Comparison, Demonstration, result
-from lenstrace.phenomena.options import Option, demonstration
+from lenstrace.phenomena.negative_index.total_reflection import refuse_total_reflection
+from lenstrace.phenomena.options import Option, demonstration, index_of_either_sign, positive_index
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.prescription import lens
 
 RAYS = 33  # drawn; an odd number has one on the axis
 DEPARTURES = np.geomspace(1e-8, 1e-2, 19)  # of the index from -n0, in units of n0: what they cost
 AGREEMENT = 1e-12  # of the lengths that are added up along a ray
+ROUNDING = 1e-13  # of a sine, before the faces magnify it
 PERFECT = 1e-14  # of the thickness: how small the spot of a perfect image is
 
 
@@ -68,10 +69,10 @@ class _Theory(NamedTuple):
 
 @demonstration
 def slab(
-    index: Annotated[float, Option("refractive index of the slab", not_zero=True, slider=(-2, -0.99))] = -1.0,
+    index: Annotated[float, index_of_either_sign("refractive index of the slab", (-2, -0.99))] = -1.0,
     thickness: Annotated[float, Option("thickness of the slab", "mm", above=0, slider=(0.5, 4))] = 2.0,
     source: Annotated[float, Option("distance of the source before the slab", "mm", above=0, slider=(0.1, 4))] = 1.0,
-    surroundings: Annotated[float, Option("refractive index around the slab", above=0, slider=(1, 2))] = 1.0,
+    surroundings: Annotated[float, positive_index("refractive index around the slab", (1, 2))] = 1.0,
     aperture: Annotated[float, Option("sine of the steepest ray", above=0, below=1, slider=(0.1, 0.98))] = 0.98,
     angles: Annotated[tuple[float, ...], Option("rays in the table, against the axis", "deg", least=0, below=90)] = (
         *(0.0, 30.0, 60.0),
@@ -82,12 +83,7 @@ def slab(
     OptionError where a ray is reflected totally.
     """
     t = np.array([*np.radians(angles), math.asin(aperture)])
-    if surroundings * np.sin(t).max() >= abs(index):
-        limit = math.degrees(math.asin(abs(index) / surroundings))
-        raise OptionError(
-            f"slab: the ray at {math.degrees(t.max()):.4g} deg from the index {surroundings:g} is reflected totally at "
-            f"the index {index:g}; keep all rays below {limit:.4g} deg"
-        )
+    refuse_total_reflection("slab", t.max(), index, surroundings, "all rays")
     plate = lens(
         [{"thickness": thickness, "index": index, "stop": True}, {"index": surroundings}],
         {"object_na": aperture * surroundings},
@@ -107,17 +103,24 @@ def slab(
     theory = _theory(index, surroundings, thickness, source, t)
     spots_theory = [_height(n, surroundings, thickness, steepest) for n in (*indices.flat, index)]
     path = rays.path.opl[-1] + surroundings * rays.crossing / np.cos(t)
-    within = AGREEMENT * (source + thickness) / np.cos(t)
+    # what the faces make of a rounded sine: as the square of the ratio of the indices, and of the cosine inside
+    ratio, inner = abs(index) / surroundings, 1 - (surroundings * np.sin(t) / index) ** 2
+    noise = ROUNDING * (ratio + 1 / ratio) ** 2 / inner
+    within = AGREEMENT * (source + thickness) / np.cos(t) + noise * abs(theory.behind)
+    path_within = within * max(1.0, surroundings) / np.cos(t) + noise * abs(theory.path)
+    moving_within = (RELATIVE_TOLERANCE + 10 * noise) * abs(theory.moving)
     rows = []
     labels = [f"ray at {angle:.4g} deg" for angle in np.degrees(t)]
     for i, at in enumerate(labels):
         rows += [
             Comparison(f"{at}: crosses the axis behind", "mm", rays.crossing[i], theory.behind[i], within[i]),
-            Comparison(f"{at}: how fast that moves with the index", "mm", moving[i], theory.moving[i]),
-            Comparison(f"{at}: optical path to there", "mm", path[i], theory.path[i], within[i]),
+            Comparison(
+                f"{at}: how fast that moves with the index", "mm", moving[i], theory.moving[i], moving_within[i]
+            ),
+            Comparison(f"{at}: optical path to there", "mm", path[i], theory.path[i], path_within[i]),
         ]
     inside = -rays.path.y[1, -1] * rays.path.n[1, -1] / rays.path.m[1, -1]
-    smallest = PERFECT * thickness + RELATIVE_TOLERANCE * abs(spots_theory[-1])
+    smallest = PERFECT * thickness + (RELATIVE_TOLERANCE + 10 * noise[-1]) * abs(spots_theory[-1])
     rows += [
         Comparison(f"{labels[-1]}: crosses the axis inside", "mm", inside, theory.inside[-1], within[-1]),
         Comparison(f"{labels[-1]}: height in the image plane", "mm", spots[-1], spots_theory[-1], smallest),

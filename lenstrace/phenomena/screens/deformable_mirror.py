@@ -1,9 +1,11 @@
 """A deformable mirror: it takes back what the air has done to a wavefront, as well as its actuators can.
 
-A mirror whose surface is h toward the light shortens the path by 2 h. Turned by the angle t it sends light off by 2 t:
-W = 2 sin(t) cos(t) y = y sin(2 t). As a paraboloid, W = -r^2 / 2f, it sends the ray at the height y to sqrt(f^2 - y^2).
+A mirror whose surface is h toward the light shortens the path by 2 h. Turned by the angle t it sends light off by 2 t,
+as a plane mirror that stands askew does: W = 2 sin(t) cos(t) y = y sin(2 t). As a paraboloid, W = -r^2 / 2f, it sends
+the ray at the height y to sqrt(f^2 - y^2).
 Commanded with the negative of a wavefront's path at its actuators, it leaves what the bicubic spline through them does
 not follow: nothing of a wavefront that is a cubic polynomial, the more of another the higher its order.
+Source of the spline that it is compared with: SciPy's, which is not a knot at the second point either.
 """
 
 from __future__ import annotations
@@ -63,6 +65,8 @@ def deformable_mirror(
     actuators: Annotated[int, Option("actuators along a side", least=4, most=100, slider=(4, 20))] = 9,
 ) -> DeformableMirror:
     """A deformable mirror takes back an aberration, actuator by actuator."""
+    from scipy.interpolate import RectBivariateSpline
+
     side = np.linspace(-1, 1, SIDE)
     inside = np.hypot(side[:, None], side) <= 1
     y, x = (a[inside] for a in np.meshgrid(side, side, indexing="ij"))
@@ -77,25 +81,36 @@ def deformable_mirror(
 
     before, behind = (np.full((SIDE, SIDE), np.nan) for _ in range(2))
     before[inside], behind[inside] = paths(term)
+    came, command = (amount * zernike_terms("noll", (term,), *points)[0] for points in ((x, y), np.meshgrid(at, at)))
+    left_theory = came - RectBivariateSpline(at, at, command).ev(y, x)
     left = [_rms(behind) / _rms(before) for before, behind in map(paths, TERMS)]
 
     grid, none = RADIUS * at, np.zeros(len(TERMS))
-    tilt = math.sin(2 * math.radians(TURN))
-    turned = _reflected(none, np.repeat(tilt * grid[:, None], actuators, 1), 0 * x, 1 + 0 * y)
+    slope = math.sin(2 * math.radians(TURN))
+    by_actuators = _reflected(none, np.repeat(slope * grid[:, None], actuators, 1), 0 * x, 1 + 0 * y)
+    plane = jax.device_get(trace(_bench().replace(surface=2, tilt=(TURN, 0.0, 0.0)), pupil=(0.0, np.ones(1))))
+    turned, leaving = (math.degrees(math.atan2(path.m[-1, 0], -path.n[-1, 0])) for path in (plane, by_actuators))
     bowl = _reflected(none, -(grid[:, None] ** 2 + grid**2) / (2 * FOCAL_LENGTH), 0 * x, 1 + 0 * y)
-    leaving = math.degrees(math.asin(turned.m[2, 0]))
     crossing = -float(bowl.y[2, 0] * bowl.n[2, 0] / bowl.m[2, 0])
     name = zernike_name(*zernike_index("noll", term))
     return DeformableMirror(
         setting=f"a wavefront with {amount:g} um RMS of Noll's polynomial {term} ({name or 'of high order'}) meets a "
         f"mirror with {actuators} x {actuators} actuators, radius of the pupil {RADIUS:g} mm",
         rows=(
-            Comparison(f"turned by {TURN:g} deg: light leaves at", "deg", leaving, 2 * TURN),
+            Comparison(f"a plane mirror turned by {TURN:g} deg: light leaves at", "deg", turned, 2 * TURN),
+            Comparison("turned so by its actuators: light leaves as from the plane", "deg", leaving, turned),
             Comparison(
                 f"a bowl: the ray at {RADIUS:g} mm crosses the axis at",
                 "mm",
                 crossing,
                 -math.sqrt(FOCAL_LENGTH**2 - RADIUS**2),
+            ),
+            Comparison(
+                f"left of polynomial {term}",
+                "um",
+                _rms(behind[inside]),
+                _rms(np.asarray(left_theory)),
+                ROUNDING * amount,
             ),
             Comparison(f"left of {amount:g} um of coma", "um", _rms(paths(COMA)[1]), 0.0, ROUNDING * amount),
         ),

@@ -21,11 +21,12 @@ from lenstrace.analysis.rays import ray, trace
 from lenstrace.errors import OptionError
 from lenstrace.optics.screens.grating import Grating as GratingScreen
 from lenstrace.phenomena.demonstration import Comparison, Demonstration, result
-from lenstrace.phenomena.options import Option, demonstration
+from lenstrace.phenomena.options import Option, demonstration, positive_index
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.prescription import lens
 
 SINE = 1e-14  # of a sine: rounding
+GRAZING = 1e-10  # of the sine, from 1: an order along the grating is left out, for rounding decides whether it exists
 MOST = 40  # orders on either side that are looked for
 SPECTRUM = np.linspace(0.4, 0.7, 7)  # um, for the plot of colours
 
@@ -53,7 +54,7 @@ def grating(
     period: Annotated[float, Option("distance of the lines", "um", above=0, most=1e4, slider=(0.3, 5))] = 2.0,
     wavelength: Annotated[float, Option("wavelength", "um", least=0.1, most=20, slider=(0.4, 0.7))] = 0.55,
     angle: Annotated[float, Option("angle of incidence", "deg", above=-90, below=90, slider=(-80, 80))] = 20.0,
-    index: Annotated[float, Option("refractive index behind the grating", above=0, slider=(1, 2))] = 1.5,
+    index: Annotated[float, positive_index("refractive index behind the grating", (1, 2))] = 1.5,
     orders: Annotated[int, Option("orders shown on either side", least=0, most=MOST)] = 3,
 ) -> Grating:
     """A grating: its orders through it and back, against the grating equation.
@@ -69,7 +70,7 @@ def grating(
         theory = (incident + np.array(numbers) * wavelength / period) / behind.get("index", 1.0)
         for number, measured, expected in zip(numbers, found, theory, strict=True):
             exists = abs(expected) < 1
-            if exists or not np.isnan(measured):
+            if abs(abs(expected) - 1) > GRAZING and (exists or not np.isnan(measured)):
                 quantity = f"sine of the {name} order {number:+d}" if number else f"sine of the {name} order 0"
                 rows.append(Comparison(quantity, "", measured, expected if exists else np.nan, SINE))
         angles[name] = np.arcsin(found)

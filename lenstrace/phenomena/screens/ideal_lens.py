@@ -66,7 +66,7 @@ def ideal_lens(
         path = ideal.opl[1, at] + np.sign(focal_length) * np.hypot(focal_length, y[at])
         rows += [
             Comparison(f"{where}: crosses the axis behind the ideal lens", "mm", crossings[0, at], focal_length),
-            Comparison(f"{where}: path to there", "mm", path, focal_length),
+            Comparison(f"{where}: path to there", "mm", path, focal_length, within),
             Comparison(f"{where}: height in the focal plane", "mm", ideal.y[2, at], 0.0, within),
             Comparison(f"{where}: crosses it behind the quadratic lens", "mm", crossings[1, at], theory[1, at]),
         ]

@@ -18,6 +18,7 @@ import numpy as np
 
 from lenstrace.analysis.rays import trace
 from lenstrace.analysis.zernike import fit_zernike
+from lenstrace.errors import OptionError
 from lenstrace.optics.zernike import zernike_index, zernike_name
 from lenstrace.phenomena.demonstration import Comparison, Demonstration, result
 from lenstrace.phenomena.options import Option, demonstration
@@ -53,7 +54,10 @@ def zernike_screen(
     amount: Annotated[float, Option("coefficient: RMS of the path", "um", least=-50, most=50, not_zero=True)] = 0.5,
     radius: Annotated[float, Option("radius of the pupil", "mm", least=0.5, most=1000, slider=(1, 20))] = 10.0,
 ) -> ZernikeScreen:
-    """A Zernike screen: paths and directions behind it, against its integrals."""
+    """A Zernike screen: paths and directions behind it, against its integrals.
+
+    OptionError where it is so steep that light is turned back.
+    """
     c = amount * 1e-3
     n, m = zernike_index("noll", term)
     points = pupil_points("gaussian", n + 2)
@@ -62,6 +66,11 @@ def zernike_screen(
     drawn_y, drawn_x = (a[inside] for a in np.meshgrid(square, square, indexing="ij"))
     x, y = np.concatenate([points.x, drawn_x]), np.concatenate([points.y, drawn_y])
     whole = _through(term, c, radius, x, y)
+    if not whole.ok[1].all():
+        raise OptionError(
+            f"zernike-screen: {amount:g} um of polynomial {term} on a radius of {radius:g} mm sends no light on at the "
+            "rim; lower amount, or enlarge radius"
+        )
     count = len(points.x)
     rays = jax.tree.map(lambda a: a[..., :count], whole)
     mean = np.asarray(points.weight) / np.sum(points.weight)

@@ -35,7 +35,7 @@ def plot_rays(critical: CriticalAngle, axes: Axes) -> Axes:
 
 
 def plot_reflectances(critical: CriticalAngle, axes: Axes) -> Axes:
-    """Both polarizations, and natural light; points: the tracer's, lines: theory."""
+    """Both polarizations, and natural light; points: at the angles of the traced rays, lines: theory."""
     across = np.degrees(critical.angles)
     names = (("R$_s$, across the plane", PALETTE[0]), ("R$_p$, in the plane", PALETTE[1]))
     for (name, colour), traced, theory in zip(names, critical.curves, critical.theory, strict=True):

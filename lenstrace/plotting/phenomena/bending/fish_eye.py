@@ -25,7 +25,7 @@ def plot_rays(found: FishEye, axes: Axes) -> Axes:
 
 def plot_accuracy(found: FishEye, axes: Axes) -> Axes:
     """Error of the image against the tolerance."""
-    return plot_cost(found.cost, axes, "farthest ray from the image, of its distance")
+    return plot_cost(found.cost(), axes, "farthest ray from the image, of its distance")
 
 
 PANELS = (plot_rays, plot_accuracy)

@@ -24,7 +24,7 @@ def plot_rays(found: Luneburg, axes: Axes) -> Axes:
 
 def plot_accuracy(found: Luneburg, axes: Axes) -> Axes:
     """Error of the focus against the tolerance."""
-    return plot_cost(found.cost, axes, "farthest ray from the focus, radii of the ball")
+    return plot_cost(found.cost(), axes, "farthest ray from the focus, radii of the ball")
 
 
 PANELS = (plot_rays, plot_accuracy)

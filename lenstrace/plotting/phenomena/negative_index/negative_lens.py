@@ -19,7 +19,7 @@ def plot_rays(found: NegativeLens, axes: Axes) -> Axes:
         level, heights = -gap * place, found.heights[place]
         y = 1.05 * np.abs(heights).max() * np.linspace(-1, 1, POINTS)
         radius, front = found.radii[place], -found.thicknesses[place]
-        z = radius - np.sign(radius) * np.sqrt(radius**2 - y**2)
+        z = radius - np.sign(radius) * np.sqrt(np.maximum(radius**2 - y**2, 0))
         axes.fill(np.append(z, [front, front]), level + np.append(y, [y[-1], y[0]]), facecolor=tint, edgecolor=OUTLINE)
         axes.axhline(level, color=AXIS, linewidth=0.7, linestyle=(0, (12, 3, 2, 3)))
         for y, face, crossing in zip(heights, found.faces[place], found.crossings[place], strict=True):

@@ -32,7 +32,9 @@ def plot_left(found: DeformableMirror, axes: Axes) -> Axes:
         ylabel="RMS path left over, of what came",
         title=f"What {found.actuators} x {found.actuators} actuators follow",
     )
-    axes.text(0.03, 0.95, "of orders up to 3: nothing but rounding", transform=axes.transAxes, va="top")
+    if not seen.all():
+        orders = ", ".join(map(str, np.unique(found.orders[~seen])))
+        axes.text(0.03, 0.95, f"orders {orders}: less than {ROUNDING:g}", transform=axes.transAxes, va="top")
     axes.grid(alpha=0.3, which="both")
     return axes
 
