@@ -26,6 +26,8 @@ Result = TypeVar("Result")
 
 # Of a refractive index, in absolute value: what the demonstrations are made for.
 INDEX_SIZE = LEAST_INDEX, MOST_INDEX = 0.1, 10.0
+# Of a length in mm, in absolute value.
+LENGTH_SIZE = LEAST_LENGTH, MOST_LENGTH = 1e-3, 1e6
 
 
 @dataclasses.dataclass(frozen=True)
@@ -35,7 +37,6 @@ class Option:
     meaning:        in words.               unit:  "" for a pure number.
     least, most:    smallest and largest value that is allowed.
     above, below:   values that it must stay clear of on either side.
-    not_zero:       0 is refused.
     size:           smallest and largest absolute value, of a number of either sign.
     plane:          inf is allowed, of a radius: a plane.
     slider:         the range of a slider, where it is not that of the values.
@@ -48,7 +49,6 @@ class Option:
     most: float = math.inf
     above: float = -math.inf
     below: float = math.inf
-    not_zero: bool = False
     size: tuple[float, float] | None = None
     plane: bool = False
     slider: tuple[float, float] | None = None
@@ -59,8 +59,7 @@ class Option:
         """The range in words; "" where every number is allowed."""
         bounds = (("at least", self.least), ("above", self.above), ("at most", self.most), ("below", self.below))
         words = [f"{word} {bound:g}{self._unit}" for word, bound in bounds if math.isfinite(bound)]
-        words += ["other than 0"] if self.not_zero else []
-        words += ["from {0:g} to {1:g} or from -{1:g} to -{0:g}".format(*self.size)] if self.size else []
+        words += ["from {0:g} to {1:g} or from -{1:g} to -{0:g}".format(*self.size) + self._unit] if self.size else []
         words += [f"one of {', '.join(self.choices)}"] if self.choices else []
         return " and ".join(words) + (" (inf for a plane)" if self.plane else "")
 
@@ -76,7 +75,7 @@ class Option:
             return True
         inside = self.least <= value <= self.most and self.above < value < self.below
         inside = inside and (self.size is None or self.size[0] <= abs(value) <= self.size[1])
-        return inside and math.isfinite(value) and not (self.not_zero and value == 0)
+        return inside and math.isfinite(value)
 
 
 def positive_index(meaning: str, slider: tuple[float, float] | None = None) -> Option:
@@ -92,6 +91,21 @@ def negative_index(meaning: str, slider: tuple[float, float] | None = None) -> O
 def index_of_either_sign(meaning: str, slider: tuple[float, float] | None = None) -> Option:
     """A refractive index, not near 0."""
     return Option(meaning, size=INDEX_SIZE, slider=slider)
+
+
+def positive_length(meaning: str, slider: tuple[float, float] | None = None) -> Option:
+    """A length in mm."""
+    return Option(meaning, "mm", least=LEAST_LENGTH, most=MOST_LENGTH, slider=slider)
+
+
+def length_of_either_sign(meaning: str, slider: tuple[float, float] | None = None) -> Option:
+    """A length in mm that has a sign, such as a focal length."""
+    return Option(meaning, "mm", size=LENGTH_SIZE, slider=slider)
+
+
+def radius_of_surface(meaning: str) -> Option:
+    """A radius in mm, inf for a plane."""
+    return Option(meaning, "mm", size=LENGTH_SIZE, plane=True)
 
 
 @dataclasses.dataclass(frozen=True)

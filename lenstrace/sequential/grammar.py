@@ -230,7 +230,8 @@ def _explained(error: ValidationError) -> str:
 
 def _keys_at(places: Sequence[Any]) -> type[BaseModel]:
     """The section of the grammar that stands at a place in the file."""
-    models = {**_SECTIONS, "index": IndexTable, "object_index": IndexTable, "abbe": AbbeKeys}
+    screens = {"screen": ScreenOfRow, "grating": GratingKeys, "zernike": ZernikeKeys, "grid": GridKeys}
+    models = {**_SECTIONS, **screens, "index": IndexTable, "object_index": IndexTable, "abbe": AbbeKeys}
     names = [str(place) for place in places if not isinstance(place, int)]
     if not names:
         return Prescription

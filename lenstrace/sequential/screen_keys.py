@@ -26,16 +26,14 @@ EXAMPLES = {
 KINDS = ("ideal_lens", "quadratic_lens", "point_mass", *EXAMPLES)
 
 
-def screen_of(keys: Any) -> Screen | None:
-    """The screen that one key names, None for no key; a screen as it is. PrescriptionError for anything else."""
+def screen_of(keys: Any) -> Screen:
+    """The screen that one key names; a screen as it is. PrescriptionError for anything else."""
     if isinstance(keys, Screen):
         return keys
     if not isinstance(keys, Mapping):
         raise PrescriptionError(f'screen takes a mapping of one key, such as {{"ideal_lens": 100}}, got {keys!r}')
-    if not keys:
-        return None
-    if len(keys) > 1 or not set(keys) <= set(KINDS):
-        raise PrescriptionError(f"screen takes one of {', '.join(KINDS)}, got {', '.join(map(str, keys))}")
+    if len(keys) != 1 or not set(keys) <= set(KINDS):
+        raise PrescriptionError(f"screen takes one of {', '.join(KINDS)}, got {', '.join(map(str, keys)) or 'none'}")
     ((kind, value),) = keys.items()
     match kind:
         case "ideal_lens":

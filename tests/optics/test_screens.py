@@ -354,6 +354,21 @@ def test_a_file_keeps_a_screen(kind: str, unit: str) -> None:
 @pytest.mark.parametrize(
     ("screen", "message"),
     [
+        ("{ ideal_lense = 50 }", "surface 1: screen: unknown key 'ideal_lense'; did you mean 'ideal_lens'?"),
+        ("{ grating = { period = 0.02, foo = 1 } }", "screen: grating: unknown key 'foo'; known here: period,"),
+        ("{ zernike = { radius = 1, term = { 4 = 1e-4 } } }", "unknown key 'term'; did you mean 'terms'?"),
+        ("{}", "surface 1: screen"),
+    ],
+)
+def test_a_file_with_a_misspelt_screen_is_refused_in_one_line(screen: str, message: str) -> None:
+    text = lenstrace.dumps(flat({"ideal_lens": 50.0})).replace("screen = {ideal_lens = 50.0}", f"screen = {screen}")
+    with pytest.raises(PrescriptionError, match=re.escape(message)):
+        lenstrace.loads(text)
+
+
+@pytest.mark.parametrize(
+    ("screen", "message"),
+    [
         ({"ideal_lens": 0.0}, "surface 1: screen ideal_lens: the focal length must be a finite number other than 0"),
         ({"quadratic_lens": float("nan")}, "finite number other than 0, got nan"),
         ({"grating": {"period": -1.0}}, "grating: the period must be a finite number above 0, got -1"),
@@ -411,7 +426,6 @@ def test_a_screen_may_be_given_as_it_is_and_taken_away() -> None:
     lens = flat(None).replace(surface=1, screen=IdealLens(70.0))
     assert float(lenstrace.first_order(lens).focal_length[0]) == pytest.approx(70.0, rel=1e-14)
     assert lens.replace(surface=1, screen=None)[1].screen is None
-    assert lens.replace(surface=1, screen={})[1].screen is None
     with pytest.raises(PrescriptionError, match="screen cannot be given to the image surface"):
         lens.replace(surface=2, screen={"ideal_lens": 50.0})
 

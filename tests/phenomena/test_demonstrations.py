@@ -54,7 +54,6 @@ def refused(argument: Argument) -> list[object]:
     if argument.kind is str:
         return ["no such choice"] if option.choices else [3.0]
     values: list[object] = [math.nan, -math.inf if option.plane else math.inf, "x", True]
-    values += [0.0] if option.not_zero else []
     values += [0.0, option.size[0] / 2, -2 * option.size[1]] if option.size else []
     values += [bound for bound in (option.above, option.below) if math.isfinite(bound)]
     values += [option.least - 1] if math.isfinite(option.least) else []

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from lenstrace import OptionError, load, phenomena
+from lenstrace import OptionError, lens, load, phenomena
 from lenstrace.phenomena.lenses.cartesian_oval import oval_series
 from lenstrace.plotting.demonstration import demonstration_figure
 
@@ -40,6 +40,19 @@ def test_principal_planes_of_a_design_are_the_published_ones() -> None:
 def test_principal_planes_need_power_and_an_axis(design: str, why: str) -> None:
     with pytest.raises(OptionError, match=why):
         phenomena.principal_planes(load(f"designs/{design}.toml"))
+
+
+def test_principal_planes_of_a_screen_that_turns_the_axis_are_refused() -> None:
+    # the ideal lens turns the ray back along the axis, beside which it then runs
+    rows = [
+        {"thickness": 50.0, "stop": True, "screen": {"zernike": {"radius": 6.0, "terms": {4: 1e-3}}}},
+        {"thickness": 50.0, "screen": {"ideal_lens": 50.0}},
+    ]
+    defocus = lens(rows, {"entrance_pupil_diameter": 10.0}, [0.0], [0.55])
+    coma = defocus.replace(surface=1, screen={"zernike": {"radius": 6.0, "terms": {7: 1e-3}}})
+    with pytest.raises(OptionError, match="turns the axis"):
+        phenomena.principal_planes(coma)
+    assert phenomena.principal_planes(defocus).agrees
 
 
 def test_principal_planes_of_a_window_are_refused() -> None:
@@ -161,7 +174,7 @@ def test_cartesian_oval_is_the_one_of_the_design() -> None:
         {"index": 2.5, "source": 20.0, "image": 60.0, "aperture": 0.25},
         {"index": 1.1, "aperture": 0.01},
         {"index": 5.0, "source": 1.0, "image": 1e4},
-        {"aperture": 1e-9},
+        {"aperture": 1e-3},
     ],
 )
 def test_cartesian_oval_agrees_elsewhere(options: dict[str, float]) -> None:

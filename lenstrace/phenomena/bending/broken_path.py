@@ -101,6 +101,10 @@ def path_of_ray(lens: Lens, field: float, pupil: float, end: float) -> BrokenPat
     bending = np.flatnonzero(system.bends)
     if not len(bending):
         raise OptionError("fermat: no surface of this lens bends light")
+    if thin := [number for number, row in enumerate(lens, 1) if row.screen is not None]:
+        raise OptionError(
+            f"fermat: surface {thin[0]} carries a phase screen, whose path is no broken line; take a lens without"
+        )
     local = np.stack([ray.x, ray.y, ray.z], -1)[1:, 0]
     behind = np.stack([ray.l, ray.m, ray.n], -1)[1:, 0]
     at = (rotation @ local[:, :, None])[:, :, 0] + origin

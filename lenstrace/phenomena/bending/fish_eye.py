@@ -26,7 +26,7 @@ from lenstrace.optics.graded import Course, through
 from lenstrace.optics.rays import living
 from lenstrace.phenomena.bending.tolerance import GROWTH, STEP_ERROR, Cost, cost
 from lenstrace.phenomena.demonstration import Comparison, Demonstration, result
-from lenstrace.phenomena.options import Option, demonstration
+from lenstrace.phenomena.options import Option, demonstration, positive_length
 
 SAMPLES = 101  # along each ray, drawn and compared
 # Rays are followed so much longer than the closed form says they take.
@@ -70,7 +70,7 @@ def fish_eye(
     spread: Annotated[float, Option("angle of the outermost rays to the image", "deg", above=0, most=120)] = 100.0,
     rays: Annotated[int, Option("rays on either side", least=1, most=50)] = 8,
     index: Annotated[float, Option("refractive index at the centre", least=0.1, most=10)] = 2.0,
-    radius: Annotated[float, Option("where the index is half of that", "mm", least=1e-3, most=1e6)] = 20.0,
+    radius: Annotated[float, positive_length("where the index is half of that")] = 20.0,
     tolerance: Annotated[float, STEP_ERROR] = 1e-12,
 ) -> FishEye:
     """Maxwell's fish-eye: rays are circles, and every point has a perfect image."""

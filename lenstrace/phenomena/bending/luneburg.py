@@ -26,7 +26,7 @@ from lenstrace.optics.graded import Course, through
 from lenstrace.optics.rays import living
 from lenstrace.phenomena.bending.tolerance import GROWTH, STEP_ERROR, Cost, cost
 from lenstrace.phenomena.demonstration import Comparison, Demonstration, result
-from lenstrace.phenomena.options import Option, demonstration
+from lenstrace.phenomena.options import Option, demonstration, positive_length
 
 REACH = 2.0  # radii, of t; rays end at pi / 2
 SAMPLES = 41  # along each ray, drawn and compared
@@ -62,7 +62,7 @@ class Ball:
 
 @demonstration
 def luneburg(
-    radius: Annotated[float, Option("radius of the ball", "mm", least=1e-3, most=1e6, slider=(1, 100))] = 20.0,
+    radius: Annotated[float, positive_length("radius of the ball", slider=(1, 100))] = 20.0,
     aperture: Annotated[float, Option("height of the outermost ray, in radii", above=0, most=0.999)] = 0.95,
     angle: Annotated[float, Option("direction of the beam, against the axis", "deg", least=-180, most=180)] = 10.0,
     rays: Annotated[int, Option("rays of the beam", least=2, most=101)] = 15,

@@ -25,7 +25,7 @@ from lenstrace.optics.glasses import glass
 from lenstrace.optics.media import LINE_C, LINE_D, LINE_F
 from lenstrace.phenomena.demonstration import Comparison, Demonstration, result
 from lenstrace.phenomena.lenses.near_axis import neighbours
-from lenstrace.phenomena.options import Option, demonstration
+from lenstrace.phenomena.options import Option, demonstration, length_of_either_sign
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.prescription import lens
 
@@ -64,7 +64,7 @@ class _Glass(NamedTuple):
 
 @demonstration
 def achromat(
-    focal_length: Annotated[float, Option("focal length at d", "mm", not_zero=True, slider=(20, 500))] = 100.0,
+    focal_length: Annotated[float, length_of_either_sign("focal length at d", slider=(20, 500))] = 100.0,
     crown: Annotated[str, Option("glass of the singlet and of the first lens of the doublet")] = "N-BK7",
     flint: Annotated[str, Option("glass of the second lens of the doublet")] = "F2",
 ) -> Achromat:

@@ -24,7 +24,7 @@ from lenstrace.analysis.rays import trace
 from lenstrace.errors import OptionError
 from lenstrace.optics.rays import Ray, living
 from lenstrace.phenomena.demonstration import Comparison, Demonstration, result
-from lenstrace.phenomena.options import Option, demonstration
+from lenstrace.phenomena.options import Option, demonstration, positive_length
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.prescription import lens
 
@@ -72,7 +72,7 @@ class _Traced(NamedTuple):
 @demonstration
 def aplanatic_points(
     index: Annotated[float, Option("refractive index of the sphere", least=1, most=10, slider=(1.2, 2.5))] = 1.5168,
-    radius: Annotated[float, Option("radius of the sphere", "mm", above=0, slider=(1, 20))] = 10.0,
+    radius: Annotated[float, positive_length("radius of the sphere", slider=(1, 20))] = 10.0,
     surroundings: Annotated[float, Option("refractive index around it", least=1, most=10, slider=(1, 1.4))] = 1.0,
     angles: Annotated[tuple[float, ...], Option("rays in the table, against the axis", "deg", above=0, below=90)] = (
         *(10.0, 30.0, 50.0),

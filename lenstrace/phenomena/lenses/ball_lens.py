@@ -21,7 +21,7 @@ from lenstrace.errors import OptionError
 from lenstrace.phenomena.axis import beam
 from lenstrace.phenomena.demonstration import Comparison, Demonstration, result
 from lenstrace.phenomena.lenses.drawing import course
-from lenstrace.phenomena.options import Option, demonstration, positive_index
+from lenstrace.phenomena.options import Option, demonstration, positive_index, positive_length
 from lenstrace.sequential.prescription import lens
 
 NO_POWER = 1e-6  # of the index against its surroundings, from 1: a ball that has less has its focus at 5e5 radii
@@ -58,7 +58,7 @@ class _Theory(NamedTuple):
 @demonstration
 def ball_lens(
     index: Annotated[float, positive_index("refractive index of the ball", (1.2, 2.4))] = 1.5168,
-    radius: Annotated[float, Option("radius of the ball", "mm", above=0, slider=(1, 20))] = 5.0,
+    radius: Annotated[float, positive_length("radius of the ball", slider=(1, 20))] = 5.0,
     surroundings: Annotated[float, positive_index("refractive index around it", (1, 1.7))] = 1.0,
     heights: Annotated[
         tuple[float, ...], Option("rays in the table: height in radii of the ball", above=0, most=STEEPEST)

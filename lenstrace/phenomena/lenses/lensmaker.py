@@ -21,7 +21,7 @@ from lenstrace.phenomena.demonstration import Comparison, Demonstration, result
 from lenstrace.phenomena.lenses.drawing import course
 from lenstrace.phenomena.lenses.near_axis import Neighbours, cardinal, neighbours
 from lenstrace.phenomena.lenses.singlet import half_height, outline, powers, singlet
-from lenstrace.phenomena.options import Option, demonstration, positive_index
+from lenstrace.phenomena.options import demonstration, positive_index, positive_length, radius_of_surface
 from lenstrace.sequential.lens import Lens
 
 NO_POWER = 1e-9  # of the powers of its parts: of a lens that has less, rounding leaves nothing
@@ -56,9 +56,9 @@ class Lensmaker(Demonstration):
 
 @demonstration
 def lensmaker(
-    radius_1: Annotated[float, Option("radius of the first surface", "mm", not_zero=True, plane=True)] = 50.0,
-    radius_2: Annotated[float, Option("radius of the second surface", "mm", not_zero=True, plane=True)] = -50.0,
-    thickness: Annotated[float, Option("thickness", "mm", above=0, slider=(0.5, 40))] = 12.0,
+    radius_1: Annotated[float, radius_of_surface("radius of the first surface")] = 50.0,
+    radius_2: Annotated[float, radius_of_surface("radius of the second surface")] = -50.0,
+    thickness: Annotated[float, positive_length("thickness", slider=(0.5, 40))] = 12.0,
     index: Annotated[float, positive_index("refractive index of the lens", (1.3, 2.5))] = 1.5168,
     surroundings: Annotated[float, positive_index("refractive index around the lens", (1, 2))] = 1.0,
 ) -> Lensmaker:

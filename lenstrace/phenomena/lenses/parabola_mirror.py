@@ -20,7 +20,7 @@ import numpy as np
 
 from lenstrace.phenomena.demonstration import Comparison, Demonstration, result
 from lenstrace.phenomena.lenses.near_axis import Neighbours, neighbours
-from lenstrace.phenomena.options import Option, demonstration
+from lenstrace.phenomena.options import Option, demonstration, positive_length
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.prescription import lens
 
@@ -61,7 +61,7 @@ class ParabolaMirror(Demonstration):
 
 @demonstration
 def parabola_mirror(
-    focal_length: Annotated[float, Option("focal length of both mirrors", "mm", above=0, slider=(50, 2000))] = 100.0,
+    focal_length: Annotated[float, positive_length("focal length of both mirrors", slider=(50, 2000))] = 100.0,
     aperture: Annotated[
         float, Option("radius of the beam in focal lengths", least=1e-3, most=HIGHEST, slider=(0.01, 1))
     ] = 0.5,

@@ -19,12 +19,13 @@ import numpy as np
 
 from lenstrace.analysis.cardinal import first_order
 from lenstrace.analysis.layout import Layout
+from lenstrace.analysis.rays import ray, trace
 from lenstrace.errors import OptionError
 from lenstrace.phenomena.demonstration import Comparison, Demonstration, result
 from lenstrace.phenomena.lenses.drawing import bare
 from lenstrace.phenomena.lenses.near_axis import Neighbours, cardinal, neighbours
 from lenstrace.phenomena.lenses.singlet import powers, singlet
-from lenstrace.phenomena.options import Option, demonstration, positive_index
+from lenstrace.phenomena.options import demonstration, positive_index, positive_length, radius_of_surface
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.paraxial import FirstOrder, signed_index
 from lenstrace.sequential.system import Placement
@@ -32,6 +33,7 @@ from lenstrace.sequential.system import Placement
 WHERE = "principal-planes"
 MAGNIFICATIONS = np.array([-4.0, -2.0, -1.0, -0.5, -0.25, 0.25, 0.5, 0.8, 2.0, 4.0])  # real images, then virtual ones
 ROUNDING = 1e-13  # of the lengths that are added up: what rounding may make of their sum
+STRAIGHT = 1e-12  # a slope of the ray along the axis that is rounding
 NO_POWER = 1e-9  # of the powers of its parts: a lens that has less is told nothing by rounding
 WIDE = 0.8  # of the lens: how high the key rays are drawn
 FAR = 3.0  # diagonals of the lens: a focal point farther away is left out of the picture
@@ -61,16 +63,16 @@ class PrincipalPlanes(Demonstration):
 @demonstration
 def principal_planes(
     lens: Lens | None = None,
-    radius_1: Annotated[float, Option("radius of the first surface", "mm", not_zero=True, plane=True)] = 40.0,
-    radius_2: Annotated[float, Option("radius of the second surface", "mm", not_zero=True, plane=True)] = -60.0,
-    thickness: Annotated[float, Option("thickness of the lens", "mm", above=0, slider=(1, 60))] = 25.0,
+    radius_1: Annotated[float, radius_of_surface("radius of the first surface")] = 40.0,
+    radius_2: Annotated[float, radius_of_surface("radius of the second surface")] = -60.0,
+    thickness: Annotated[float, positive_length("thickness of the lens", slider=(1, 60))] = 25.0,
     index: Annotated[float, positive_index("refractive index of the lens", (1, 2.5))] = 1.6,
     behind: Annotated[float, positive_index("refractive index behind the lens", (1, 2))] = 1.333,
 ) -> PrincipalPlanes:
     """Principal planes of a lens, by the rays that define them; Newton's and Gauss's equations.
 
     lens:  any centred lens that has power; by default one of two surfaces in air, with water behind it.
-    OptionError for a lens without power, or with a tilted or decentred surface.
+    OptionError for a lens without power, or with a tilted or decentred surface, or a screen that turns its axis.
     """
     if lens is None:
         radii = radius_1, radius_2
@@ -81,6 +83,8 @@ def principal_planes(
         lens = singlet(radii, thickness, 1.0, index, behind, max(back, 0.0), "A lens between two media")
     if any(kind.placement is not Placement.CENTRED for kind in lens.system.kinds):
         raise OptionError(f"{WHERE}: a surface of this lens is tilted or decentred, or its axis is folded; centre it")
+    if lens.system.screens and _leaves_the_axis(lens):
+        raise OptionError(f"{WHERE}: a phase screen of this lens turns the axis itself; take one without tilt or coma")
     every, place = first_order(lens), lens.wavelengths.primary
     points = jax.tree.map(lambda a: float(np.asarray(a)[place]), every)
     if points.power == 0:
@@ -168,3 +172,9 @@ def _key_ray(
     end = y[last] + leaving[last] * (ends[1] - vertices[last - 1])
     z = [ends[0], *vertices[np.array(bending) - 1], ends[1]]
     return np.column_stack([z, scale * np.array([begin, *y[bending], end])])
+
+
+def _leaves_the_axis(lens: Lens) -> bool:
+    """Whether the ray that enters along the axis is off it anywhere."""
+    path = trace(lens, ray((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
+    return bool(np.max(np.abs([path.l, path.m])) > STRAIGHT)

@@ -24,7 +24,7 @@ import numpy as np
 from lenstrace.errors import OptionError
 from lenstrace.phenomena.axis import Fan, beam
 from lenstrace.phenomena.demonstration import Comparison, Demonstration, result
-from lenstrace.phenomena.options import Option, demonstration, negative_index, positive_index
+from lenstrace.phenomena.options import Option, demonstration, negative_index, positive_index, positive_length
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.prescription import lens
 
@@ -56,7 +56,7 @@ class NegativeLens(Demonstration):
 @demonstration
 def negative_lens(
     index: Annotated[float, negative_index("refractive index of the hollow lens", (-3, -0.5))] = -1.0,
-    radius: Annotated[float, Option("radius of its concave face", "mm", above=0, most=1e6, slider=(10, 200))] = 100.0,
+    radius: Annotated[float, positive_length("radius of its concave face", slider=(10, 200))] = 100.0,
     surroundings: Annotated[float, positive_index("refractive index around it", (1, 2))] = 1.0,
     height: Annotated[float, Option("outermost ray, of the radius", above=0, below=1, slider=(0.05, 0.7))] = 0.4,
     positive: Annotated[float, positive_index("index of the lens it is compared with")] = 1.5,

@@ -22,7 +22,7 @@ import numpy as np
 from lenstrace.phenomena.axis import Fan, fan
 from lenstrace.phenomena.demonstration import RELATIVE_TOLERANCE, Comparison, Demonstration, result
 from lenstrace.phenomena.negative_index.total_reflection import refuse_total_reflection
-from lenstrace.phenomena.options import Option, demonstration, index_of_either_sign, positive_index
+from lenstrace.phenomena.options import Option, demonstration, index_of_either_sign, positive_index, positive_length
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.prescription import lens
 
@@ -70,8 +70,8 @@ class _Theory(NamedTuple):
 @demonstration
 def slab(
     index: Annotated[float, index_of_either_sign("refractive index of the slab", (-2, -0.99))] = -1.0,
-    thickness: Annotated[float, Option("thickness of the slab", "mm", above=0, slider=(0.5, 4))] = 2.0,
-    source: Annotated[float, Option("distance of the source before the slab", "mm", above=0, slider=(0.1, 4))] = 1.0,
+    thickness: Annotated[float, positive_length("thickness of the slab", slider=(0.5, 4))] = 2.0,
+    source: Annotated[float, positive_length("distance of the source before the slab", slider=(0.1, 4))] = 1.0,
     surroundings: Annotated[float, positive_index("refractive index around the slab", (1, 2))] = 1.0,
     aperture: Annotated[float, Option("sine of the steepest ray", above=0, below=1, slider=(0.1, 0.98))] = 0.98,
     angles: Annotated[tuple[float, ...], Option("rays in the table, against the axis", "deg", least=0, below=90)] = (

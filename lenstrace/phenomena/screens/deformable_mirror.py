@@ -61,7 +61,7 @@ def deformable_mirror(
     term: Annotated[
         int, Option("aberration: number of a Zernike polynomial, Noll's", least=TERMS[0], most=TERMS[-1])
     ] = 11,
-    amount: Annotated[float, Option("its RMS path", "um", above=0, most=20, slider=(0.1, 2))] = 0.5,
+    amount: Annotated[float, Option("its RMS path", "um", least=1e-3, most=20, slider=(0.1, 2))] = 0.5,
     actuators: Annotated[int, Option("actuators along a side", least=4, most=100, slider=(4, 20))] = 9,
 ) -> DeformableMirror:
     """A deformable mirror takes back an aberration, actuator by actuator."""

@@ -16,7 +16,7 @@ import numpy as np
 from lenstrace.analysis.rays import trace
 from lenstrace.errors import OptionError
 from lenstrace.phenomena.demonstration import Comparison, Demonstration, result
-from lenstrace.phenomena.options import Option, demonstration
+from lenstrace.phenomena.options import demonstration, length_of_either_sign, positive_length
 from lenstrace.sequential.prescription import lens
 
 RAYS = 20  # drawn, of each lens; none of them on the axis
@@ -42,8 +42,8 @@ class IdealLens(Demonstration):
 
 @demonstration
 def ideal_lens(
-    focal_length: Annotated[float, Option("focal length", "mm", not_zero=True, slider=(20, 200))] = 100.0,
-    height: Annotated[float, Option("height of the outermost ray", "mm", above=0, slider=(1, 80))] = 10.0,
+    focal_length: Annotated[float, length_of_either_sign("focal length", slider=(20, 200))] = 100.0,
+    height: Annotated[float, positive_length("height of the outermost ray", slider=(1, 80))] = 10.0,
 ) -> IdealLens:
     """Lenses as phase screens: the ideal one, and the parabola that only nearly focuses.
 

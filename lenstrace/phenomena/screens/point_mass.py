@@ -44,6 +44,7 @@ class PointMass(Demonstration):
 
     einstein:     t_E.                          source: where its centre is, along y.
     edge:         (2, N), x and y of its rim.   images: (2, 2, N), x and y of the rims of its two images.
+    covers:       whether the star is seen behind the mass itself: then its images are one ring, between the two rims.
     positions:    (Q,), of a source, in units of t_E.     magnification, magnification_theory: (Q,), there.
     """
 
@@ -51,6 +52,7 @@ class PointMass(Demonstration):
     source: float
     edge: np.ndarray
     images: np.ndarray
+    covers: bool
     positions: np.ndarray
     magnification: np.ndarray
     magnification_theory: np.ndarray
@@ -105,6 +107,7 @@ def point_mass(
         source=offset * unit,
         edge=edge * unit,
         images=images[..., :POINTS] * unit,
+        covers=offset < SOURCE,
         positions=positions,
         magnification=magnification[:-1],
         magnification_theory=theory[:-1],

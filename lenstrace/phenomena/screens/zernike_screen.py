@@ -51,7 +51,7 @@ class ZernikeScreen(Demonstration):
 @demonstration
 def zernike_screen(
     term: Annotated[int, Option("number of the polynomial, Noll's", least=2, most=LARGEST)] = 7,
-    amount: Annotated[float, Option("coefficient: RMS of the path", "um", least=-50, most=50, not_zero=True)] = 0.5,
+    amount: Annotated[float, Option("coefficient: RMS of the path", "um", size=(1e-3, 50))] = 0.5,
     radius: Annotated[float, Option("radius of the pupil", "mm", least=0.5, most=1000, slider=(1, 20))] = 10.0,
 ) -> ZernikeScreen:
     """A Zernike screen: paths and directions behind it, against its integrals.

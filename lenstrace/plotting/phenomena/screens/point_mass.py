@@ -15,9 +15,14 @@ def plot_sky(found: PointMass, axes: Axes) -> Axes:
     ring = {"color": AXIS, "linestyle": "--", "linewidth": 1, "label": "Einstein's ring"}
     axes.plot(found.einstein * np.cos(turn), found.einstein * np.sin(turn), **ring)
     axes.plot(0, 0, "o", color=PALETTE[5], label="the mass")
+    if found.covers:
+        # the rims of the two images are those of one ring
+        outer, inner = found.images
+        axes.fill(*np.concatenate([outer, inner[:, ::-1]], 1), color=PALETTE[0], label="its image, a ring")
+    else:
+        for place, image in enumerate(found.images):
+            axes.fill(*image, color=PALETTE[0], label="its two images" if place == 0 else None)
     axes.fill(*found.edge, color=PALETTE[4], alpha=0.6, label="the star, without the mass")
-    for place, image in enumerate(found.images):
-        axes.fill(*image, color=PALETTE[0], label="its two images" if place == 0 else None)
     axes.set(xlabel="x on the sky, mas", ylabel="y on the sky, mas", title="What is seen")
     axes.set_aspect("equal", adjustable="datalim")
     axes.legend(fontsize="small", loc="upper left", bbox_to_anchor=(0, -0.14), ncols=2, frameon=False)
