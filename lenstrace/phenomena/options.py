@@ -15,8 +15,10 @@ import functools
 import inspect
 import math
 import numbers
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any, ParamSpec, TypeVar, get_args, get_type_hints
+
+import numpy as np
 
 from lenstrace.compute.pytree import is_traced
 from lenstrace.errors import OptionError
@@ -160,14 +162,14 @@ def _check(argument: Argument, value: Any, where: str) -> None:
     """OptionError for a value that the option does not accept."""
     if is_traced(value):
         return
-    several = value if argument.several and isinstance(value, Sequence) and not isinstance(value, str) else [value]
+    values = np.asarray(value, dtype=object)
     needs = {float: numbers.Real, int: numbers.Integral, str: str}[argument.kind]
-    for each in several:
+    for each in values.ravel().tolist() if values.ndim <= argument.several else [value]:
         sound = isinstance(each, needs) and not isinstance(each, bool) and argument.option.accepts(each)
         if not sound:
             words = argument.option.allowed or (
                 "a whole number" if argument.kind is int else "a word" if argument.kind is str else "a finite number"
             )
             raise OptionError(f"{where.replace('_', '-')}: {argument.name} must be {words}, got {each!r}")
-    if not len(several):
+    if not values.size:
         raise OptionError(f"{where.replace('_', '-')}: {argument.name} needs at least one value, got none")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from textwrap import fill
+
 import numpy as np
 from matplotlib.axes import Axes
 
@@ -13,12 +15,14 @@ from lenstrace.plotting.phenomena.lenses.frame import frame
 
 NAMES = ("comes in parallel", "goes out parallel")
 LIMIT = 5.4  # of X / f: the largest magnification, and room for its label
+TITLE_WIDTH = 44  # characters
 
 
 def plot_planes(found: PrincipalPlanes, axes: Axes) -> Axes:
     """The lens, its points and planes; the key rays, bent in the vertex planes, as rays near the axis are, and (dashed)
     in the principal planes; mm."""
     plot_layout(found.layout, axes)
+    axes.set_title(fill(found.layout.name, TITLE_WIDTH), parse_math=False)
     for ray, construction, colour, name in zip(found.rays, found.constructions, PALETTE, NAMES, strict=False):
         axes.plot(*construction.T, color=colour, linewidth=0.9, linestyle="--")
         axes.plot(*ray.T, color=colour, linewidth=1.3, label=name)

@@ -8,6 +8,8 @@ from matplotlib.axes import Axes
 from lenstrace.phenomena.screens.grating import Grating
 from lenstrace.plotting.colours import AXIS, GLASS, OUTLINE, PALETTE, colours
 
+LABELS_APART = 0.15  # radians: nearer labels would touch
+
 
 def plot_orders(found: Grating, axes: Axes) -> Axes:
     """Incident, reflected and transmitted beams from one point; the glass is below."""
@@ -17,12 +19,15 @@ def plot_orders(found: Grating, axes: Axes) -> Axes:
     into = (-np.sin(found.incidence), np.cos(found.incidence))
     axes.annotate("", (0, 0), into, arrowprops={"arrowstyle": "-|>", "color": PALETTE[5], "linewidth": 1.6})
     for angles, side, colour in ((found.transmitted, -1, PALETTE[0]), (found.reflected, 1, PALETTE[1])):
+        labelled = -np.inf
         for order, angle in zip(found.orders, angles, strict=True):
             if np.isnan(angle):
                 continue
             out = (np.sin(angle), side * np.cos(angle))
             axes.annotate("", out, (0, 0), arrowprops={"arrowstyle": "-|>", "color": colour, "linewidth": 1.2})
-            axes.text(1.1 * out[0], 1.1 * out[1], _name(order), color=colour, ha="center", va="center")
+            if angle - labelled > LABELS_APART:
+                axes.text(1.1 * out[0], 1.1 * out[1], _name(order), color=colour, ha="center", va="center")
+                labelled = angle
     axes.set(xlabel="y, any unit", ylabel="height above the grating, any unit", title="Orders")
     axes.set(xlim=(-1.25, 1.25), ylim=(-1.25, 1.25), aspect="equal")
     return axes

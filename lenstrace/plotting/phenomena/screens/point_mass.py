@@ -18,7 +18,7 @@ def plot_sky(found: PointMass, axes: Axes) -> Axes:
     if found.covers:
         # the rims of the two images are those of one ring
         outer, inner = found.images
-        axes.fill(*np.concatenate([outer, inner[:, ::-1]], 1), color=PALETTE[0], label="its image, a ring")
+        axes.fill(*np.concatenate([outer, inner[:, ::-1]], 1), color=PALETTE[0], linewidth=0, label="its image, a ring")
     else:
         for place, image in enumerate(found.images):
             axes.fill(*image, color=PALETTE[0], label="its two images" if place == 0 else None)
