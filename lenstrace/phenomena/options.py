@@ -162,14 +162,14 @@ def _check(argument: Argument, value: Any, where: str) -> None:
     """OptionError for a value that the option does not accept."""
     if is_traced(value):
         return
-    values = np.asarray(value, dtype=object)
+    values, name = np.asarray(value, dtype=object), f"{where.replace('_', '-')}: {argument.name}"
+    if argument.several and (values.ndim != 1 or not values.size):
+        raise OptionError(f"{name} needs a list of at least one value, got {value!r}")
     needs = {float: numbers.Real, int: numbers.Integral, str: str}[argument.kind]
-    for each in values.ravel().tolist() if values.ndim <= argument.several else [value]:
+    for each in values.tolist() if argument.several else [values.item() if values.ndim == 0 else value]:
         sound = isinstance(each, needs) and not isinstance(each, bool) and argument.option.accepts(each)
         if not sound:
             words = argument.option.allowed or (
                 "a whole number" if argument.kind is int else "a word" if argument.kind is str else "a finite number"
             )
-            raise OptionError(f"{where.replace('_', '-')}: {argument.name} must be {words}, got {each!r}")
-    if not values.size:
-        raise OptionError(f"{where.replace('_', '-')}: {argument.name} needs at least one value, got none")
+            raise OptionError(f"{name} must be {words}, got {each!r}")

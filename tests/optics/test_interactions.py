@@ -133,20 +133,19 @@ def test_derivative_by_index_is_finite_at_total_reflection() -> None:
 
 
 @pytest.mark.parametrize("kind", list(Interaction))
-@pytest.mark.parametrize(("n1", "n2"), [(1.0, 1.5), (1.5, 1.0), (1.4, 1.4), (1.3, -1.2)])
-def test_derivatives_of_both_orders(kind: Interaction, n1: float, n2: float) -> None:
-    if kind is Interaction.REFRACT and n1 * n2 < 0:
-        return
-
+def test_derivatives_of_both_orders(kind: Interaction) -> None:
+    @jax.jit
     def behind(direction: jax.Array, normal: jax.Array, n1: jax.Array, n2: jax.Array) -> jax.Array:
         along = direction @ normal
         geometry = tuple(direction), tuple(normal), normal @ normal, abs(along), jnp.sign(along)
         return jnp.stack(law(kind, *geometry, n1, n2, MET)[0])
 
     directions, normals, *_ = random_geometry(8)
-    for direction, normal in zip(directions.T, normals.T, strict=True):
-        given = tuple(map(jnp.asarray, (direction, normal, n1, n2)))
-        check_grads(behind, given, order=2, eps=1e-6, rtol=1e-6, atol=1e-6)
+    indices = [(1.0, 1.5), (1.5, 1.0), (1.4, 1.4), (1.3, -1.2)]
+    for n1, n2 in indices[: 3 if kind is Interaction.REFRACT else 4]:
+        for direction, normal in zip(directions.T, normals.T, strict=True):
+            given = tuple(map(jnp.asarray, (direction, normal, n1, n2)))
+            check_grads(behind, given, order=2, eps=1e-6, rtol=1e-6, atol=1e-6)
 
 
 def test_a_ray_that_meets_nothing_goes_straight_on_and_its_derivatives_too() -> None:

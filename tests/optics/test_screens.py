@@ -90,8 +90,7 @@ def test_an_order_that_does_not_exist_is_a_lost_ray_with_finite_derivatives() ->
 
 
 @every_screen
-@pytest.mark.parametrize("row", [{}, {"radius": 40.0, "index": 1.5}, {"mirror": True, "radius": -90.0}])
-def test_a_screen_of_nothing_changes_nothing(kind: str, row: dict[str, object]) -> None:
+def test_a_screen_of_nothing_changes_nothing(kind: str) -> None:
     nothing = {
         "ideal_lens": 1e300,
         "quadratic_lens": 1e300,
@@ -100,12 +99,20 @@ def test_a_screen_of_nothing_changes_nothing(kind: str, row: dict[str, object]) 
         "grid": {"half_width": [5, 5], "path": np.zeros((5, 6))},
         "point_mass": 1e-300,
     }
-    thickness = {"thickness": -100.0} if "mirror" in row else {}
-    plain = lenstrace.trace(flat(None, **row, **thickness), rays=inclined())
-    found = lenstrace.trace(flat({kind: nothing[kind]}, **row, **thickness), rays=inclined())
+    rows = [
+        {"stop": True, "thickness": 5.0},
+        {"radius": 40.0, "index": 1.5, "thickness": 9.0},
+        {"mirror": True, "radius": -90.0, "thickness": -100.0},
+    ]
+    screened = [{**row, "screen": {kind: nothing[kind]}} for row in rows]
+    plain, found = (
+        lenstrace.trace(lenstrace.lens(each, {"entrance_pupil_diameter": 20.0}, [0.0], [UM]), rays=inclined())
+        for each in (rows, screened)
+    )
+    assert np.asarray(plain.ok).all()
     for name in "xyzlmn":
-        assert_allclose(getattr(found, name), getattr(plain, name), rtol=0, atol=2e-14)
-    assert_allclose(found.opl, plain.opl, rtol=1e-15)
+        assert_allclose(getattr(found, name), getattr(plain, name), rtol=0, atol=4e-14)
+    assert_allclose(found.opl, plain.opl, rtol=1e-15, atol=4e-14)
 
 
 def test_a_screen_of_nothing_in_air_changes_no_bit() -> None:
@@ -198,9 +205,10 @@ def test_the_law_in_40_digits(interaction: Interaction) -> None:
 
 
 @every_screen
-@pytest.mark.parametrize("row", [{}, {"mirror": True, "thickness": -100.0, "radius": -70.0}])
-def test_derivatives_are_those_of_differences(kind: str, row: dict[str, object]) -> None:
-    lens = flat({kind: SCREENS[kind]}, **row)
+def test_derivatives_are_those_of_differences(kind: str) -> None:
+    mirror = {"mirror": True, "thickness": -100.0, "radius": -70.0, "screen": {"quadratic_lens": 90.0}}
+    rows = [{"thickness": 20.0, "stop": True, "screen": {kind: SCREENS[kind]}}, mirror]
+    lens = lenstrace.lens(rows, {"entrance_pupil_diameter": 20.0}, [0.0], [UM])
     leaves, structure = jax.tree.flatten(lens[1].screen)
 
     def place(numbers: list[jax.Array]) -> jax.Array:
@@ -225,7 +233,7 @@ def test_everything_is_finite_at_the_vertex(kind: str) -> None:
     def result(y: jax.Array) -> jax.Array:
         return lenstrace.trace(flat({kind: SCREENS[kind]}), pupil=(0.0, y), path=False).y
 
-    assert np.isfinite([float(result(jnp.asarray(0.0))), float(jax.grad(result)(0.0))]).all()
+    assert np.isfinite(jax.value_and_grad(result)(0.0)).all()
     assert np.isfinite(np.asarray(lenstrace.first_order(flat({kind: SCREENS[kind]})).power)).all()
 
 
@@ -437,8 +445,9 @@ FAR = {
 }
 
 
-@pytest.mark.parametrize("kind", FAR)
-@pytest.mark.parametrize("dtype", ["float32", "float64"])
+@pytest.mark.parametrize(
+    ("kind", "dtype"), [*((kind, "float32") for kind in FAR), ("zernike", "float64"), ("grid", "float64")]
+)
 def test_rays_far_out_are_finite_with_their_derivatives(kind: str, dtype: str) -> None:
     screen = {"screen": {kind: FAR[kind]}}
     rows = [{"stop": True, **screen}, {"radius": 40.0, "index": 1.5, **screen}, {"mirror": True, **screen}]
