@@ -58,7 +58,7 @@ def negative_lens(
     index: Annotated[float, negative_index("refractive index of the hollow lens", (-3, -0.5))] = -1.0,
     radius: Annotated[float, positive_length("radius of its concave face", slider=(10, 200))] = 100.0,
     surroundings: Annotated[float, positive_index("refractive index around it", (1, 2))] = 1.0,
-    height: Annotated[float, Option("outermost ray, of the radius", above=0, below=1, slider=(0.05, 0.7))] = 0.4,
+    height: Annotated[float, Option("outermost ray, of the radius", above=0, most=0.999, slider=(0.05, 0.7))] = 0.4,
     positive: Annotated[float, positive_index("index of the lens it is compared with")] = 1.5,
 ) -> NegativeLens:
     """A hollow lens of negative index focuses, as the lensmaker's equation says.

@@ -30,7 +30,7 @@ RAYS = 33  # drawn; an odd number has one on the axis
 DEPARTURES = np.geomspace(1e-8, 1e-2, 19)  # of the index from -n0, in units of n0: what they cost
 AGREEMENT = 1e-12  # of the lengths that are added up along a ray
 ROUNDING = 1e-13  # of a sine, before the faces magnify it
-PERFECT = 1e-14  # of the thickness: how small the spot of a perfect image is
+PERFECT = 1e-14  # of the thickness, or of the distance of the source where that is more: how small the spot of a perfect image is
 
 
 @result
@@ -120,7 +120,7 @@ def slab(
             Comparison(f"{at}: optical path to there", "mm", path[i], theory.path[i], path_within[i]),
         ]
     inside = -rays.path.y[1, -1] * rays.path.n[1, -1] / rays.path.m[1, -1]
-    smallest = PERFECT * thickness + (RELATIVE_TOLERANCE + 10 * noise[-1]) * abs(spots_theory[-1])
+    smallest = PERFECT * max(thickness, source) + (RELATIVE_TOLERANCE + 10 * noise[-1]) * abs(spots_theory[-1])
     rows += [
         Comparison(f"{labels[-1]}: crosses the axis inside", "mm", inside, theory.inside[-1], within[-1]),
         Comparison(f"{labels[-1]}: height in the image plane", "mm", spots[-1], spots_theory[-1], smallest),
