@@ -45,14 +45,12 @@ def test_principal_planes_need_power_and_an_axis(design: str, why: str) -> None:
 def test_principal_planes_of_a_screen_that_turns_the_axis_are_refused() -> None:
     # the ideal lens turns the ray back along the axis, beside which it then runs
     rows = [
-        {"thickness": 50.0, "stop": True, "screen": {"zernike": {"radius": 6.0, "terms": {4: 1e-3}}}},
+        {"thickness": 50.0, "stop": True, "screen": {"zernike": {"radius": 6.0, "terms": {7: 1e-3}}}},
         {"thickness": 50.0, "screen": {"ideal_lens": 50.0}},
     ]
-    defocus = lens(rows, {"entrance_pupil_diameter": 10.0}, [0.0], [0.55])
-    coma = defocus.replace(surface=1, screen={"zernike": {"radius": 6.0, "terms": {7: 1e-3}}})
+    coma = lens(rows, {"entrance_pupil_diameter": 10.0}, [0.0], [0.55])
     with pytest.raises(OptionError, match="turns the axis"):
         phenomena.principal_planes(coma)
-    assert phenomena.principal_planes(defocus).agrees
 
 
 def test_principal_planes_of_a_window_are_refused() -> None:
