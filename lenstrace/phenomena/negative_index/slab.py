@@ -30,7 +30,7 @@ RAYS = 33  # drawn; an odd number has one on the axis
 DEPARTURES = np.geomspace(1e-8, 1e-2, 19)  # of the index from -n0, in units of n0: what they cost
 AGREEMENT = 1e-12  # of the lengths that are added up along a ray
 ROUNDING = 1e-13  # of a sine, before the faces magnify it
-PERFECT = 1e-14  # of the thickness, or of the distance of the source where that is more: how small the spot of a perfect image is
+PERFECT = 1e-14  # of the thickness, or the distance of the source: how small the spot of a perfect image is
 
 
 @result
