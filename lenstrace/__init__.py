@@ -28,6 +28,7 @@ from lenstrace.compute.compiled import COMPILER_OPTIONS
 from lenstrace.errors import (
     AccuracyError,
     AccuracyWarning,
+    DesignError,
     ImageError,
     LensTraceError,
     LostRaysError,
@@ -72,6 +73,7 @@ if TYPE_CHECKING:
     from lenstrace.analysis.wave_focus import wave_focus
     from lenstrace.analysis.wavefront import Wavefront, wavefront, zernike_coefficients
     from lenstrace.analysis.zernike import fit_zernike
+    from lenstrace.design import Optimized, Problem, optimize
     from lenstrace.io.native import dumps, load, loads, save
     from lenstrace.optics.zernike import zernike
     from lenstrace.plotting.aberrations import plot_seidel
@@ -109,6 +111,7 @@ __all__ = [
     "Aperture",
     "AxialColour",
     "BestFocus",
+    "DesignError",
     "Distortion",
     "DistortionGrid",
     "Fans",
@@ -127,9 +130,11 @@ __all__ = [
     "MediumError",
     "Mtf",
     "NewtonCheck",
+    "Optimized",
     "OptionError",
     "Overview",
     "PrescriptionError",
+    "Problem",
     "Psf",
     "Ray",
     "RayError",
@@ -168,6 +173,7 @@ __all__ = [
     "mtf",
     "mtf_through_focus",
     "newton_check",
+    "optimize",
     "overview",
     "phenomena",
     "plot_axial_colour",
@@ -225,9 +231,11 @@ _IMPORTED_WHEN_USED = {
     "Illumination": "lenstrace.analysis.illumination",
     "IncidenceAngles": "lenstrace.analysis.illumination",
     "LateralColour": "lenstrace.analysis.colour",
-    "LongitudinalAberration": "lenstrace.analysis.colour",
     "LensTrade": "lenstrace.analysis.trade",
+    "LongitudinalAberration": "lenstrace.analysis.colour",
     "Mtf": "lenstrace.analysis.mtf",
+    "Optimized": "lenstrace.design",
+    "Problem": "lenstrace.design",
     "Psf": "lenstrace.analysis.psf",
     "Seidel": "lenstrace.analysis.third_order",
     "ThroughFocus": "lenstrace.analysis.focus",
@@ -252,6 +260,7 @@ _IMPORTED_WHEN_USED = {
     "longitudinal_aberration": "lenstrace.analysis.colour",
     "mtf": "lenstrace.analysis.mtf",
     "mtf_through_focus": "lenstrace.analysis.mtf",
+    "optimize": "lenstrace.design",
     "plot_axial_colour": "lenstrace.plotting.field",
     "plot_demonstration": "lenstrace.plotting.demonstration",
     "plot_distortion": "lenstrace.plotting.field",

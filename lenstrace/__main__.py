@@ -15,7 +15,7 @@ from lenstrace.errors import AccuracyWarning, LensTraceError
 
 COMMANDS = (
     *("report", "spots", "trace", "draw", "seidel", "fans", "field", "wavefront", "psf", "mtf", "focus", "sheet"),
-    *("trade", "demo"),
+    *("trade", "optimize", "demo"),
 )
 USAGE_ERROR, INTERRUPTED = 2, 130
 
@@ -25,7 +25,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = _OneLineParser(
         prog="lenstrace",
         description="Trace lenses: first-order figures, rays, spots, aberrations, wavefronts, diffraction, drawings, "
-        "demonstrations.",
+        "optimization, demonstrations.",
     )
     parser.add_argument("--version", action="version", version=f"lenstrace {__version__}")
     try:

@@ -9,6 +9,7 @@
     |- LostRaysError         a question whose rays all fail
     |- ImageError            a question that needs an image, where the image is at infinity
     |- OptionError           an option of a demonstration out of its range
+    |- DesignError           an optimization that cannot be posed: no variables, a bound that excludes the start
     `- AccuracyError         a trade or an accuracy that cannot be had
 
     AccuracyWarning (a UserWarning)  a result less accurate than it looks
@@ -51,6 +52,10 @@ class ImageError(LensTraceError):
 
 class OptionError(LensTraceError):
     """An option of a demonstration out of its range."""
+
+
+class DesignError(LensTraceError):
+    """A problem of design that cannot be posed: nothing to vary, nothing wanted, limits that contradict each other."""
 
 
 class AccuracyError(LensTraceError):

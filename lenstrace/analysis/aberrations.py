@@ -32,9 +32,9 @@ from lenstrace.analysis.third_order import Seidel, Sums
 from lenstrace.compute.compiled import compiled
 from lenstrace.compute.pytree import is_traced
 from lenstrace.errors import PrescriptionError, RayError
-from lenstrace.optics.vectors import root_or_zero
 from lenstrace.sequential import paraxial
 from lenstrace.sequential.lens import Lens
+from lenstrace.sequential.paraxial_rays import heights_and_slopes, largest_field, rays_of_pupil
 from lenstrace.sequential.system import System
 
 UM_PER_MM = 1000.0
@@ -102,9 +102,9 @@ def _seidel(
     indices = jnp.asarray(system.index)
     fields, system = jnp.asarray(system.fields), system.at(system.primary)
     index, c = paraxial.signed_index(system), paraxial.effective_curvature(system)[:-1]
-    distance = _from_axis(system, fields)
-    start = _starting(system, distance / scale)
-    (y, chief_y), (before, chief_before), (slope, _) = _through(system, index, c, start)
+    distance = largest_field(system, fields)
+    start = rays_of_pupil(system, distance / scale)
+    (y, chief_y), (before, chief_before), (slope, _) = heights_and_slopes(system, start)
 
     first, then = index[:-1], index[1:]
     change, change_square = 1 / then - 1 / first, 1 / then**2 - 1 / first**2
@@ -146,46 +146,6 @@ def _sum(terms: jax.Array) -> jax.Array:
     """Their sum; 0 where it is rounding only."""
     total, noise = jnp.sum(terms), jnp.finfo(terms.dtype).eps * jnp.sum(jnp.abs(terms))
     return jnp.where(jnp.abs(total) <= paraxial.AFOCAL * noise, total - jax.lax.stop_gradient(total), total)
-
-
-def _from_axis(system: System, fields: jax.Array) -> jax.Array:
-    """Of the largest field: the tangent of its angle (nan from 90 degrees on), or its height in mm."""
-    if system.field_kind == "angle":
-        below = jnp.abs(fields) < math.pi / 2
-        fields = jnp.where(below, jnp.tan(jnp.where(below, fields, 0)), jnp.nan)
-    return root_or_zero(jnp.max(jnp.sum(fields * fields, -1)))
-
-
-def _starting(system: System, field: jax.Array) -> jax.Array:
-    """Marginal and chief ray at the first vertex: [[y, ybar], [w, wbar]], w = N u; field: a tangent or a height, mm.
-
-    With y at the stop = a y + b w the chief ray is a multiple of (-b, a), and the marginal one has the stop's radius.
-    """
-    a, b, *_ = paraxial.matrix(system, 1, system.stop, bend_last=False)
-    radius, index = paraxial.stop_radius(system), paraxial.signed_index(system)[0]
-    if system.object_distance is None:
-        tangent = -field if system.field_kind == "image_height" else field
-        marginal, share = (radius / a, jnp.zeros_like(a)), index * tangent / a
-    else:
-        gap = system.object_distance / index
-        reach = a * gap + b
-        marginal = radius * gap / reach, radius / reach
-        share = index * field / a if system.field_kind == "angle" else -field / reach
-    return jnp.stack([jnp.stack([marginal[0], -b * share]), jnp.stack([marginal[1], a * share])])
-
-
-def _through(
-    system: System, index: jax.Array, curvature: jax.Array, start: jax.Array
-) -> tuple[jax.Array, jax.Array, jax.Array]:
-    """Heights at the surfaces and slopes w before them, (2, S) each, and the slopes behind the last, (2,)."""
-
-    def step(ray: jax.Array, surface: tuple[jax.Array, jax.Array]) -> tuple[jax.Array, jax.Array]:
-        power, gap = surface
-        y, w = ray[0], ray[1] - power * ray[0]
-        return jnp.stack([y + gap * w, w]), ray
-
-    last, rays = jax.lax.scan(step, start, (curvature * (index[1:] - index[:-1]), system.thickness / index[1:]))
-    return rays[:, 0].T, rays[:, 1].T, last[1]
 
 
 def _departure(system: System, vertex_curvature: jax.Array) -> jax.Array:

@@ -15,12 +15,11 @@ from lenstrace.compute.compiled import compiled
 from lenstrace.compute.pytree import pytree
 from lenstrace.errors import RayError
 from lenstrace.optics.rays import RayStatus, has_course
-from lenstrace.optics.shapes.asphere import Asphere
-from lenstrace.optics.shapes.conic import Conic
-from lenstrace.optics.vectors import Vector, dot, root_or_zero, rotate, rotate_back
+from lenstrace.optics.vectors import dot, root_or_zero, rotate, rotate_back
 from lenstrace.sequential import paraxial
 from lenstrace.sequential.launch import Front, launch
 from lenstrace.sequential.lens import Lens
+from lenstrace.sequential.normals import surface_normal, surface_normals
 from lenstrace.sequential.system import Light, System
 from lenstrace.sequential.trace import trace
 from lenstrace.sequential.vertices import vertices
@@ -148,8 +147,7 @@ def _bundle(asked: _Asked, rays: Rays) -> tuple[jax.Array, jax.Array]:
     basis = jnp.stack([one, zero]), jnp.stack([zero, one])
     _, ((l_x, l_y), (m_x, m_y)), ray = jax.vmap(derivative, out_axes=(None, 0, None))(basis)
     system = front.system
-    numbers = system.curvature[-1], system.conic[-1], system.coefficients[-1], system.norm_radius[-1]
-    normal = _normal(numbers, system.kinds[-1].powers, (ray.x, ray.y, ray.z))
+    normal = surface_normal(system, len(system.kinds), (ray.x, ray.y, ray.z))
     # dl dm = |n| dOmega; on a tilted element of the image cos(theta) takes the place of |n|
     tilt = dot(normal, (ray.l, ray.m, ray.n)) / jnp.sqrt(dot(normal, normal)) / jnp.where(ray.n == 0, 1, ray.n)
     return ray.ok, jnp.abs((l_x * m_y - l_y * m_x) * tilt)
@@ -182,7 +180,7 @@ def _incidence(front: Front, system: System, shares: Any, scale: jax.Array | flo
     turned = jax.vmap(lambda r, d: rotate(r, d))(behind, (path.l[:-1], path.m[:-1], path.n[:-1]))
     direction = jax.vmap(lambda r, d: rotate_back(r, d))(rotations, turned)
     point = path.x[1:], path.y[1:], path.z[1:]
-    normal = _normals(system, point)
+    normal = surface_normals(system, point)
     x, y, z = (normal[i - 2] * direction[i - 1] - normal[i - 1] * direction[i - 2] for i in (0, 1, 2))
     angle = DEGREES * jnp.arctan2(root_or_zero(x * x + y * y + z * z), jnp.abs(dot(normal, direction)))
     # chief rays are followed through what stops them; a ray that is stopped or totally reflected has met the surface
@@ -191,24 +189,3 @@ def _incidence(front: Front, system: System, shares: Any, scale: jax.Array | flo
     meets = has_course(here) | (path.status[1:] == int(RayStatus.TIR))
     chief, upper, lower = jnp.moveaxis(jnp.where(reaches & meets, angle, jnp.nan), 0, -1)
     return IncidenceAngles(line.height / scale, line.direction, chief, upper, lower)
-
-
-def _normals(system: System, point: Vector) -> Vector:
-    """Normals, of any length, of the surfaces 1 ... S + 1 at points of each, (K, ...)."""
-    numbers = system.curvature, system.conic, system.coefficients, system.norm_radius
-    conics = jax.vmap(lambda surface, p: _normal(surface, (), p))(numbers, point)
-    powers = max((kind.powers for kind in system.kinds), key=len)
-    if not powers:
-        return conics
-    aspheres = jax.vmap(lambda surface, p: _normal(surface, powers, p))(numbers, point)
-    aspheric = np.array([bool(kind.powers) for kind in system.kinds]).reshape(-1, *(1,) * (point[0].ndim - 1))
-    x, y, z = (jnp.where(aspheric, a, b) for a, b in zip(aspheres, conics, strict=True))
-    return x, y, z
-
-
-def _normal(numbers: tuple[jax.Array, ...], powers: tuple[int, ...], point: Vector) -> Vector:
-    """The normal of one surface, of any length; numbers: its curvature, conic, coefficients and norm radius."""
-    curvature, conic, coefficients, norm_radius = numbers
-    if not powers:
-        return Conic(curvature, conic).normal(*point)
-    return Asphere(curvature, conic, coefficients, norm_radius, powers).normal(point[0], point[1])

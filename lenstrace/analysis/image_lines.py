@@ -11,10 +11,9 @@ from lenstrace.analysis.arrivals import Asked, arrivals
 from lenstrace.analysis.spot_figures import Spots, spots_of
 from lenstrace.compute.pytree import pytree
 from lenstrace.optics.rays import Ray
-from lenstrace.optics.shapes.asphere import Asphere
-from lenstrace.optics.shapes.conic import Conic
-from lenstrace.optics.vectors import Vector, dot, safe_divide
+from lenstrace.optics.vectors import dot, safe_divide
 from lenstrace.sequential.launch import Front
+from lenstrace.sequential.normals import surface_normal
 from lenstrace.sequential.sampling import PupilPoints
 from lenstrace.sequential.system import Light, System
 
@@ -57,15 +56,7 @@ def spots_at(lines: ImageLines, shift: Any, weights: Any, primary: Any) -> Spots
 
 def _line(system: System, ray: Ray) -> tuple[jax.Array, ...]:
     """x, y, u, v and failure of `ImageLines`."""
-    normal = _image_normal(system, ray.x, ray.y, ray.z)
+    normal = surface_normal(system, len(system.kinds), (ray.x, ray.y, ray.z))
     # the ray reaches the tangent plane, shifted by s, after t = s N_z / (N . d)
     rate = safe_divide(normal[2], dot(normal, (ray.l, ray.m, ray.n)))
     return ray.x, ray.y, ray.l * rate, ray.m * rate, ray.failure
-
-
-def _image_normal(system: System, x: jax.Array, y: jax.Array, z: jax.Array) -> Vector:
-    """Along the normal of the image surface at points on it."""
-    curvature, conic, powers = system.curvature[-1], system.conic[-1], system.kinds[-1].powers
-    if powers:
-        return Asphere(curvature, conic, system.coefficients[-1], system.norm_radius[-1], powers).normal(x, y)
-    return Conic(curvature, conic).normal(x, y, z)

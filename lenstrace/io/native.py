@@ -7,7 +7,7 @@ import os
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import tomlkit
 from tomlkit.items import InlineTable
@@ -20,35 +20,51 @@ from lenstrace.sequential.prescription import lens_from_keys
 from lenstrace.sequential.rows import Row
 from lenstrace.sequential.screen_keys import keys_of
 
+Made = TypeVar("Made")
+
 
 def load(path: str | os.PathLike[str]) -> Lens:
     """Read a lens. PrescriptionError (or another LensTraceError) says file, row, what, got, what to do."""
+    return read_with(path, loads)
+
+
+def loads(text: str) -> Lens:
+    """A lens out of the text of a file."""
+    return lens_from_keys(keys_in(text))
+
+
+def read_with(path: str | os.PathLike[str], made: Callable[[str], Made]) -> Made:
+    """What is made out of the text of a file; its errors, and those of reading it, name the file."""
     try:
         text = Path(path).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else "not a text file"
         raise PrescriptionError(f"{path}: cannot be read: {reason}") from None
     try:
-        return loads(text)
+        return made(text)
     except LensTraceError as error:
         raise type(error)(f"{path}: {error}") from None
 
 
-def loads(text: str) -> Lens:
-    """A lens out of the text of a file."""
+def keys_in(text: str) -> dict[str, Any]:
+    """The keys of a file; PrescriptionError for what is no TOML."""
     try:
-        keys = tomllib.loads(text)
+        return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise PrescriptionError(f"not valid TOML: {error}") from None
-    return lens_from_keys(keys)
 
 
 def save(lens: Lens, path: str | os.PathLike[str]) -> None:
     """Write a lens, in mm. The file appears whole or not at all."""
+    write_whole(dumps(lens), path)
+
+
+def write_whole(text: str, path: str | os.PathLike[str]) -> None:
+    """Write a file that appears whole or not at all; PrescriptionError where it cannot be written."""
     target = Path(path).resolve()  # a link is written through, not replaced
     partial = target.with_name(f".{target.name}.partial")
     try:
-        partial.write_text(dumps(lens), encoding="utf-8")
+        partial.write_text(text, encoding="utf-8")
         partial.replace(target)
     except OSError as error:
         partial.unlink(missing_ok=True)

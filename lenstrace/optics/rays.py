@@ -59,7 +59,7 @@ class Ray:
     @property
     def status(self) -> jax.Array:
         """`RayStatus` of each ray, as integers."""
-        return self.failure % _REASONS
+        return status_of(self.failure)
 
     @property
     def surface(self) -> jax.Array:
@@ -82,9 +82,14 @@ def failure_code(surface: jax.Array | int, status: jax.Array | RayStatus) -> jax
     return surface * _REASONS + status
 
 
+def status_of(failure: jax.Array) -> jax.Array:
+    """`RayStatus` of rays, as integers; failure: see `Ray`."""
+    return failure % _REASONS
+
+
 def has_course(failure: jax.Array) -> jax.Array:
     """True where the numbers of a ray are those of a real course; failure: see `Ray`."""
-    status = failure % _REASONS
+    status = status_of(failure)
     return (status == int(RayStatus.OK)) | (status == int(RayStatus.CLIPPED))
 
 

@@ -64,6 +64,11 @@ def check_format(path: str | os.PathLike[str]) -> str:
 def check_target(path: str | os.PathLike[str]) -> None:
     """`check_format`, and LensTraceError where there is no folder to write to. To ask before a long computation."""
     check_format(path)
+    check_folder(path)
+
+
+def check_folder(path: str | os.PathLike[str]) -> None:
+    """LensTraceError where there is no folder to write a file to."""
     folder = Path(path).resolve().parent
     if not (folder.is_dir() and os.access(folder, os.W_OK)):
         raise LensTraceError(f"{path}: cannot be written: {folder} is not a folder that can be written to")

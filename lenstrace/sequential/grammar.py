@@ -180,6 +180,8 @@ class Prescription(_Section):
     lens: LensKeys
     image: ImageKeys = ImageKeys()
     published: PublishedKeys | None = None
+    # read by who optimizes, see `io/problem.py`
+    optimize: Any = None
 
 
 def checked(keys: Mapping[str, Any]) -> Prescription:

@@ -79,6 +79,17 @@ def _made(pattern: str, rings: int) -> PupilPoints:
             return PupilPoints(*_polar(radius, turn), np.ones(len(radius)))
 
 
+def half_points(points: PupilPoints) -> PupilPoints | None:
+    """The points with x >= 0, those off the line x = 0 with twice the weight; None where the others are no mirror image
+    of them."""
+    weights = {(round(x, 9) + 0.0, round(y, 9) + 0.0): w for x, y, w in zip(*points, strict=True)}
+    if any(weights.get((0.0 - x, y)) != w for (x, y), w in weights.items()):
+        return None
+    x, y, weight = (a[points.x > -ON_AXIS] for a in points)
+    off = x > ON_AXIS
+    return PupilPoints(np.where(off, x, 0.0), y, np.where(off, 2 * weight, weight))
+
+
 def chance_points(pattern: str, count: int) -> PupilPoints:
     """So many points of the random or the sobol pattern; a power of two suits the latter."""
     if pattern == "random":

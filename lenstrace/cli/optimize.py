@@ -1,0 +1,134 @@
+"""`lenstrace optimize DESIGN -o OUT.toml`: the lens that the section [optimize] of a design asks for."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from rich.console import Console
+
+from lenstrace.analysis.layout import layout
+from lenstrace.cli.output import add_common, number_text, print_json, print_table
+from lenstrace.design.optimize import optimize
+from lenstrace.design.outcome import Optimized
+from lenstrace.design.search import METHODS, Step
+from lenstrace.io.problem import load_problem, save_problem
+from lenstrace.plotting.files import check_folder, check_target, save_figure
+from lenstrace.plotting.optimize import optimize_figure
+
+
+def add_parser(commands: Any) -> None:
+    """Register the command."""
+    parser = commands.add_parser("optimize", help="change the lens until what its [optimize] wants is best met")
+    add_common(parser)
+    parser.add_argument("-o", "--output", metavar="OUT", help="write the better lens, a prescription in TOML")
+    parser.add_argument(
+        "--plot", metavar="FILE", help="write the course, and the lens before and after (png, pdf, svg)"
+    )
+    parser.add_argument("--method", choices=METHODS, default=METHODS[0], help=f"of the search ({METHODS[0]})")
+    parser.add_argument("--seconds", type=float, metavar="S", help="the best lens found in so many seconds")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Optimize a design, and print every want before and after."""
+    if arguments.plot:
+        check_target(arguments.plot)
+    if arguments.output:
+        check_folder(arguments.output)
+    problem = load_problem(arguments.design)
+    with course() as report:
+        found = optimize(problem, method=arguments.method, seconds=arguments.seconds, progress=report)
+    if arguments.output:
+        save_problem(found.lens, arguments.design, arguments.output)
+    if arguments.plot:
+        drawings = layout(problem.lens), layout(found.lens)
+        save_figure(optimize_figure(found, *drawings, problem.lens.name or arguments.design), arguments.plot)
+    if arguments.json:
+        print_json(outcome_keys(found))
+    else:
+        _print(found, problem.lens.name or arguments.design)
+        for written in filter(None, (arguments.output, arguments.plot)):
+            print(f"wrote {written}")
+    if found.interrupted:
+        raise KeyboardInterrupt  # what was found by then has been printed and written
+
+
+@contextmanager
+def course() -> Iterator[Callable[[int, Step], None]]:
+    """A function to call with each step; where there is a terminal a line shows them, and that programs are compiled
+    before the first."""
+    console = Console(stderr=True)
+    with console.status("compiling") as status:
+
+        def report(number: int, step: Step) -> None:
+            status.update(f"step {number}, merit {step.best:.6g}, numbers moved by {step.change:.1e} of themselves")
+
+        yield report
+
+
+def outcome_keys(found: Optimized) -> dict[str, Any]:
+    """The object that --json prints; merits are sums of squares of weighted residuals."""
+    return {
+        "merit_before": found.merit_before,
+        "merit_after": found.merit_after,
+        "improved": found.improved,
+        "arrived": found.arrived,
+        "message": found.message,
+        "seconds": found.seconds,
+        "compile_seconds": found.compile_seconds,
+        "steps": found.steps,
+        "wants": [
+            {
+                "want": term.want,
+                "unit": term.unit,
+                "target": term.target,
+                "aim": term.aim,
+                "before": term.before,
+                "after": term.after,
+                "merit_before": term.merit_before,
+                "merit_after": term.merit_after,
+            }
+            for term in found.terms
+        ],
+        "variables": [
+            {
+                "variable": change.name,
+                "unit": change.unit,
+                "before": change.before,
+                "after": change.after,
+                "at_bound": change.at_bound or None,
+            }
+            for change in found.changes
+        ],
+    }
+
+
+def _print(found: Optimized, name: str) -> None:
+    rows = [
+        [
+            _with_unit(term.want, term.unit),
+            term.aim,
+            number_text(term.before),
+            number_text(term.after),
+            f"{term.merit_before:.3e}",
+            f"{term.merit_after:.3e}",
+        ]
+        for term in found.terms
+    ]
+    rows.append(["all", "", "", "", f"{found.merit_before:.7e}", f"{found.merit_after:.7e}"])
+    print_table(f"{name}: wants", ["", "aim", "before", "after", "merit before", "merit after"], rows)
+    columns = ["", "before", "after", "at its bound"]
+    rows = [
+        [_with_unit(each.name, each.unit), number_text(each.before, 9), number_text(each.after, 9), each.at_bound]
+        for each in found.changes
+    ]
+    print_table("Numbers that may vary", columns, rows)
+    effort = f"{found.steps} evaluations in {found.seconds:.2f} s, after {found.compile_seconds:.1f} s of compiling"
+    print(f"{found.message}; {effort}")
+
+
+def _with_unit(name: str, unit: str) -> str:
+    return f"{name}, {unit}" if unit else name

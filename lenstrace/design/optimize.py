@@ -1,0 +1,134 @@
+"""Optimization: the lens of least merit, with the evidence."""
+
+from __future__ import annotations
+
+import dataclasses
+import importlib
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from typing import NamedTuple
+
+import jax
+import numpy as np
+
+from lenstrace.compute.compiled import with_precision
+from lenstrace.design.merit import Merit, Terms
+from lenstrace.design.outcome import Change, Optimized, Term
+from lenstrace.design.problem import Problem, Start, check, start_of
+from lenstrace.design.search import BETTER, METHODS, Course, Step, search
+from lenstrace.errors import DesignError
+from lenstrace.sequential.lens import Lens
+
+Progress = Callable[[int, Step], None]
+
+
+def optimize(
+    problem: Problem,
+    *,
+    method: str = "least_squares",
+    seconds: float | None = None,
+    progress: Progress | None = None,
+) -> Optimized:
+    """Change the numbers of a lens until its merit, the sum of squares of weighted residuals, is least.
+
+    method:    "least_squares", scipy's bounded trust region search with the exact Jacobian; or "lbfgs", L-BFGS-B with
+               the gradient in reverse, for hundreds of variables.
+    seconds:   at most, for the search; the best lens so far is given then.
+    progress:  called with the number of each evaluation and its `Step`.
+
+    Ctrl-C gives the best lens so far. A program is compiled for each structure of a problem; none is for other numbers,
+    weights, targets or bounds. A minimum that is found is a near one: for others see `starts`.
+    DesignError for a problem that cannot be posed, LostRaysError where no ray of the start arrives.
+    """
+    if method not in METHODS:
+        raise DesignError(f"method must be one of {', '.join(METHODS)}, got {method!r}")
+    if seconds is not None and not seconds > 0:
+        raise DesignError(f"seconds must be positive, got {seconds}")
+    began = time.perf_counter()
+    ready = begun(problem)
+    compiled_after = time.perf_counter() - began
+    course = search(ready.merit, ready.start, method, seconds, progress)
+    return outcome_of(problem.lens, ready, course, compiled_after)
+
+
+class Ready(NamedTuple):
+    """A problem whose search may begin: its merit is compiled, and known at the start."""
+
+    start: Start
+    merit: Merit
+    before: Terms
+
+
+def begun(problem: Problem) -> Ready:
+    """Pose a problem and compile its merit. DesignError, ImageError or LostRaysError where it has no start."""
+    start = start_of(problem)
+    with ThreadPoolExecutor(1) as thread:
+        # compiled while the start is checked
+        compiling = thread.submit(with_precision(_evaluated), start)
+        check(start)
+        importlib.import_module("scipy.optimize")  # 0.2 s, needed next
+        terms = compiling.result()
+    wants = tuple(
+        want if failure is None else want.counting(failure)
+        for want, failure in zip(start.posed.wants, terms.failure, strict=True)
+    )
+    start = dataclasses.replace(start, posed=dataclasses.replace(start.posed, wants=wants))
+    return Ready(start, Merit(start.posed), _evaluated(start))
+
+
+def outcome_of(lens: Lens, ready: Ready, course: Course, compiled_after: float) -> Optimized:
+    """The outcome of a search."""
+    start, before = ready.start, ready.before
+    after = jax.device_get(ready.merit.evaluated(course.numbers).terms)
+    merits = float(before.merit.sum()), float(after.merit.sum())
+    improved = merits[1] < merits[0] * (1 - BETTER)
+    found = start.posed.lens_of(course.numbers.tolist()).astype(lens.precision) if improved else lens
+    return Optimized(
+        lens=found,
+        history=course.steps,
+        terms=tuple(_terms(start, before, after)),
+        changes=tuple(_changes(start, course.numbers)),
+        merit_before=merits[0],
+        merit_after=merits[1],
+        improved=improved,
+        arrived=course.arrived,
+        message=_message(improved, course),
+        interrupted=course.interrupted,
+        seconds=course.steps[-1].seconds,
+        compile_seconds=compiled_after,
+    )
+
+
+def _evaluated(start: Start) -> Terms:
+    return jax.device_get(Merit(start.posed).evaluated(start.numbers).terms)
+
+
+def _message(improved: bool, course: Course) -> str:
+    if course.stopped:
+        return f"stopped: {course.stopped}; {'the best lens so far' if improved else 'nothing better was found'}"
+    return "a minimum" if improved else "not improved: the start is a minimum, or nothing that varies can help"
+
+
+def _terms(start: Start, before: Terms, after: Terms) -> Iterator[Term]:
+    lens, place = start.posed.lens, 0
+    for want in start.posed.wants:
+        target = getattr(want, "target", 0.0)
+        for i, name in enumerate(names := want.names(lens)):
+            aim = None if target is None else float(np.broadcast_to(np.asarray(target, float), len(names))[i])
+            values = [float(a[place]) for a in (before.value, after.value, before.merit, after.merit)]
+            yield Term(name, want.unit, want.aim, aim, *values)
+            place += 1
+
+
+def _changes(start: Start, numbers: np.ndarray) -> list[Change]:
+    def at(number: float, low: float, high: float) -> str:
+        slack = 1e-6 * (high - low if np.isfinite(high - low) else 1.0)
+        return "least" if number - low <= slack else "most" if high - number <= slack else ""
+
+    return [
+        Change(place.label, place.unit, float(old), float(new), at(new, low, high))
+        for place, old, new, low, high in zip(
+            start.posed.places, start.numbers, numbers, start.low, start.high, strict=True
+        )
+    ]

@@ -1,0 +1,106 @@
+"""What came out of an optimization: the lens, how it got there, and every want before and after."""
+
+from __future__ import annotations
+
+import dataclasses
+
+from lenstrace.design.search import Step
+from lenstrace.sequential.lens import Lens
+
+
+@dataclasses.dataclass(frozen=True)
+class Term:
+    """One term of one want, before and after.
+
+    want, unit: its name; the unit of its values.        aim: what is wanted, in words: "50", "at least 1".
+    target:     a number where it is one target, else None.
+    before, after:              its value.
+    merit_before, merit_after:  what it adds to the merit.
+    """
+
+    want: str
+    unit: str
+    aim: str
+    target: float | None
+    before: float
+    after: float
+    merit_before: float
+    merit_after: float
+
+
+@dataclasses.dataclass(frozen=True)
+class Change:
+    """One number of the lens, before and after; at_bound: "", "least" or "most"."""
+
+    name: str
+    unit: str
+    before: float
+    after: float
+    at_bound: str
+
+
+@dataclasses.dataclass(frozen=True)
+class Optimized:
+    """A lens that was searched for.
+
+    lens:     the best one, a lens like any other.
+    history:  every evaluation of the search.
+    terms:    of all wants.         changes: of all numbers that might.
+    merit_before, merit_after:  sums of squares of all weighted residuals.
+    improved: the merit has become less. A start that cannot be improved is reported as such: False.
+    arrived:  the search came to a minimum, and did not stop before.
+    message:  how it ended, in words.
+    interrupted:  by Ctrl-C; the lens is the best so far.
+    seconds:  that the search took; compile_seconds: that it waited for its programs before.
+    """
+
+    lens: Lens
+    history: tuple[Step, ...]
+    terms: tuple[Term, ...]
+    changes: tuple[Change, ...]
+    merit_before: float
+    merit_after: float
+    improved: bool
+    arrived: bool
+    message: str
+    interrupted: bool
+    seconds: float
+    compile_seconds: float
+
+    @property
+    def steps(self) -> int:
+        """Evaluations of residuals and their derivatives."""
+        return len(self.history)
+
+    def table(self) -> str:
+        """Every term, its value before and after, and what it adds to the merit, as text."""
+        head = ("want", "aim", "before", "after", "unit", "merit before", "merit after")
+        rows = [
+            (t.want, t.aim, *map(_number, (t.before, t.after)), t.unit, *map(_part, (t.merit_before, t.merit_after)))
+            for t in self.terms
+        ]
+        total = ("merit", "", "", "", "", f"{self.merit_before:.7e}", f"{self.merit_after:.7e}")
+        return _aligned([head, *rows, total])
+
+    def __repr__(self) -> str:
+        return f"{self.message}: merit {self.merit_before:.7g} -> {self.merit_after:.7g}\n{self.table()}"
+
+
+def _number(value: float) -> str:
+    return f"{value:.6g}"
+
+
+def _part(value: float) -> str:
+    return f"{value:.3e}"
+
+
+def _aligned(rows: list[tuple[str, ...]]) -> str:
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    left = (0, 1, 4)
+    return "\n".join(
+        "  ".join(
+            text.ljust(width) if place in left else text.rjust(width)
+            for place, (text, width) in enumerate(zip(row, widths, strict=True))
+        ).rstrip()
+        for row in rows
+    )

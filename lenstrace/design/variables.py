@@ -1,0 +1,207 @@
+"""What a design may change: kinds of numbers, on some surfaces, within bounds."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Iterator, Sequence
+from typing import Any, ClassVar, Protocol
+
+import numpy as np
+
+from lenstrace.design.places import AXES, Place
+from lenstrace.errors import DesignError, PrescriptionError
+from lenstrace.optics.media import AIR
+from lenstrace.sequential.lens import Lens
+from lenstrace.sequential.rules import number_of
+
+Surfaces = int | str | Sequence[int]
+Bounds = tuple[float | None, float | None]
+
+
+class Variable(Protocol):
+    """What every kind of variable offers; all of them are frozen dataclasses.
+
+    surfaces: a number, a list of them, or a word that the kind knows. bounds: (least, most), None for none.
+    """
+
+    kind: ClassVar[str]
+    words: ClassVar[tuple[str, ...]]
+
+    @property
+    def surfaces(self) -> Surfaces:
+        """As they were given."""
+        ...
+
+    @property
+    def bounds(self) -> Bounds | None:
+        """As they were given."""
+        ...
+
+    @property
+    def parts(self) -> tuple[int, ...]:
+        """See `Place.part`."""
+        ...
+
+
+@dataclasses.dataclass(frozen=True)
+class Curvature:
+    """Curvatures, 1/mm, planes among them; "all": of every surface that bends light."""
+
+    surfaces: Surfaces = "all"
+    bounds: Bounds | None = None
+    kind: ClassVar = "curvature"
+    words: ClassVar = ("all", "last")
+    parts: ClassVar = (0,)
+
+
+@dataclasses.dataclass(frozen=True)
+class Thickness:
+    """Thicknesses, mm, each from its surface to the next; "all", or those of "glass" or "air"; "last" reaches to the
+    image."""
+
+    surfaces: Surfaces
+    bounds: Bounds | None = None
+    kind: ClassVar = "thickness"
+    words: ClassVar = ("all", "last", "glass", "air")
+    parts: ClassVar = (0,)
+
+
+@dataclasses.dataclass(frozen=True)
+class Conic:
+    """Conic constants."""
+
+    surfaces: Surfaces
+    bounds: Bounds | None = None
+    kind: ClassVar = "conic"
+    words: ClassVar = ("all", "last")
+    parts: ClassVar = (0,)
+
+
+@dataclasses.dataclass(frozen=True)
+class Asphere:
+    """Coefficients of r^p, mm^(1 - p), for some powers p; a surface without them gets them, 0 at first."""
+
+    surfaces: Surfaces
+    powers: Sequence[int] = (4, 6)
+    bounds: Bounds | None = None
+    kind: ClassVar = "asphere"
+    words: ClassVar = ("all", "last")
+
+    @property
+    def parts(self) -> tuple[int, ...]:
+        """The powers; DesignError for what is none."""
+        if not self.powers or any(isinstance(p, bool) or not isinstance(p, int) or p < 1 for p in self.powers):
+            raise DesignError(f"asphere: powers must be whole numbers such as [4, 6], got {list(self.powers)}")
+        return tuple(self.powers)
+
+
+@dataclasses.dataclass(frozen=True)
+class Index:
+    """The index at the d line of the media behind some surfaces. A catalogue's glass becomes a model glass (nd, vd),
+    see `AbbeModel`; a medium of one index keeps one."""
+
+    surfaces: Surfaces
+    bounds: Bounds | None = None
+    kind: ClassVar = "index"
+    words: ClassVar = ("all", "glass")
+    parts: ClassVar = (0,)
+
+
+@dataclasses.dataclass(frozen=True)
+class Abbe:
+    """The Abbe number vd of model glasses behind some surfaces, as `Index`."""
+
+    surfaces: Surfaces
+    bounds: Bounds | None = None
+    kind: ClassVar = "abbe"
+    words: ClassVar = ("all", "glass")
+    parts: ClassVar = (0,)
+
+
+@dataclasses.dataclass(frozen=True)
+class Decenter:
+    """Decentres across the axis, mm; axes "x", "y" or "xy"."""
+
+    surfaces: Surfaces
+    axes: str = "y"
+    bounds: Bounds | None = None
+    kind: ClassVar = "decenter"
+    words: ClassVar = ("all", "last")
+
+    @property
+    def parts(self) -> tuple[int, ...]:
+        """Their places; DesignError for other letters."""
+        return _axes(self.kind, self.axes, "xy")
+
+
+@dataclasses.dataclass(frozen=True)
+class Tilt:
+    """Tilts, degrees; axes some of "xyz"."""
+
+    surfaces: Surfaces
+    axes: str = "x"
+    bounds: Bounds | None = None
+    kind: ClassVar = "tilt"
+    words: ClassVar = ("all", "last")
+
+    @property
+    def parts(self) -> tuple[int, ...]:
+        """Their places; DesignError for other letters."""
+        return _axes(self.kind, self.axes, "xyz")
+
+
+def places_of(lens: Lens, variable: Variable) -> Iterator[Place]:
+    """Every number that a variable names. DesignError for surfaces that are none."""
+    parts = variable.parts
+    for surface in surfaces_of(lens, variable.kind, variable.surfaces, variable.words):
+        for part in parts:
+            yield Place(variable.kind, surface, part)
+
+
+def surfaces_of(lens: Lens, what: str, surfaces: Surfaces, words: tuple[str, ...]) -> list[int]:
+    """The numbers of surfaces that were given as a number, a list, or one of some words; DesignError for others."""
+    if isinstance(surfaces, str):
+        if surfaces not in words:
+            raise DesignError(f"{what}: surfaces must be numbers, or one of {', '.join(words)}; got {surfaces!r}")
+        numbers = np.arange(1, len(lens) + 1)
+        glass = np.array([row.medium is not AIR and not row.mirror for row in lens])
+        match surfaces:
+            case "last":
+                return [len(lens)]
+            case "all" if what in ("curvature", "conic", "asphere", "decenter", "tilt"):
+                found = numbers[lens.system.bends]
+            case "all" if what == "thickness":
+                found = numbers
+            case "air":
+                found = numbers[~glass]
+            case _:
+                found = numbers[glass]
+        return found.tolist()
+    given = [surfaces] if isinstance(surfaces, int | np.integer) else list(surfaces)
+    if any(isinstance(each, bool) or not isinstance(each, int | np.integer) for each in given):
+        raise DesignError(f"{what}: surfaces must be whole numbers, got {surfaces!r}")
+    try:
+        return [number_of(int(each), len(lens)) for each in given]
+    except PrescriptionError as error:
+        raise DesignError(f"{what}: {error}") from None
+
+
+def limits_of(variable: Variable) -> tuple[float, float]:
+    """Least and most, infinite where there is none. DesignError for limits that leave nothing."""
+    if variable.bounds is None:
+        return -math.inf, math.inf
+    try:
+        low, high = variable.bounds
+        low, high = -math.inf if low is None else float(low), math.inf if high is None else float(high)
+    except (TypeError, ValueError):
+        raise DesignError(f"{variable.kind}: bounds must be (least, most), got {variable.bounds!r}") from None
+    if not low < high:
+        raise DesignError(f"{variable.kind}: bounds must rise, got ({low:g}, {high:g}); leave the number out to fix it")
+    return low, high
+
+
+def _axes(kind: str, axes: Any, known: str) -> tuple[int, ...]:
+    if not isinstance(axes, str) or not axes or not set(axes) <= set(known):
+        raise DesignError(f"{kind}: axes must be some of {known!r}, got {axes!r}")
+    return tuple(AXES.index(axis) for axis in axes)
