@@ -15,7 +15,7 @@ from lenstrace.errors import AccuracyWarning, LensTraceError
 
 COMMANDS = (
     *("report", "spots", "trace", "draw", "seidel", "fans", "field", "wavefront", "psf", "mtf", "focus", "sheet"),
-    *("trade", "optimize", "demo"),
+    *("trade", "optimize", "sensitivity", "demo"),
 )
 USAGE_ERROR, INTERRUPTED = 2, 130
 

@@ -14,10 +14,12 @@ from lenstrace.design.first_order_wants import (
     ParaxialSlope,
 )
 from lenstrace.design.geometry_wants import CentreThickness, EdgeThickness, TotalTrack
-from lenstrace.design.optimize import optimize
-from lenstrace.design.outcome import Optimized
+from lenstrace.design.glass_fit import GlassFit, fit_glasses
+from lenstrace.design.optimize import optimize, optimize_from
+from lenstrace.design.outcome import Minima, Optimized
 from lenstrace.design.problem import Problem
 from lenstrace.design.ray_wants import IncidenceAngle, RayAngle, RayHeight, TransverseError
+from lenstrace.design.sensitivity import Sensitivities, Tolerances, sensitivity
 from lenstrace.design.spot_wants import SpotRMS, WavefrontRMS
 from lenstrace.design.ties import CurvatureSolve, Pickup, ThicknessSolve
 from lenstrace.design.variables import Abbe, Asphere, Conic, Curvature, Decenter, Index, Thickness, Tilt
@@ -37,10 +39,12 @@ __all__ = [
     "EdgeThickness",
     "FNumber",
     "FocalLength",
+    "GlassFit",
     "IncidenceAngle",
     "Index",
     "LateralColour",
     "Magnification",
+    "Minima",
     "Optimized",
     "ParaxialHeight",
     "ParaxialSlope",
@@ -50,12 +54,17 @@ __all__ = [
     "RayAngle",
     "RayHeight",
     "SeidelSum",
+    "Sensitivities",
     "SpotRMS",
     "Thickness",
     "ThicknessSolve",
     "Tilt",
+    "Tolerances",
     "TotalTrack",
     "TransverseError",
     "WavefrontRMS",
+    "fit_glasses",
     "optimize",
+    "optimize_from",
+    "sensitivity",
 ]

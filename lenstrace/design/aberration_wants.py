@@ -165,8 +165,8 @@ def _chief_ray(view: View, wavelength: float | None = None) -> tuple[jax.Array, 
     """Where the chief ray of the largest field meets the image, from that of the axis, mm."""
     fields = jnp.asarray(view.system.fields)
     far = fields[jnp.argmax(jnp.sum(fields * fields, -1))] / view.lens.fields.scale
-    both = tuple(jnp.stack([component, 0 * component]) for component in far)
-    ray = trace(view.lens, field=both, wavelength=wavelength, path=False, opl=False)
+    x, y = (jnp.stack([component, 0 * component]) for component in far)
+    ray = trace(view.lens, field=(x, y), wavelength=wavelength, path=False, opl=False)
     return ray.x[0] - ray.x[1], ray.y[0] - ray.y[1]
 
 

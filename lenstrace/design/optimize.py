@@ -11,14 +11,20 @@ from typing import NamedTuple
 
 import jax
 import numpy as np
+from jax.typing import ArrayLike
 
 from lenstrace.compute.compiled import with_precision
+from lenstrace.design.batch import Minimum, search_many
 from lenstrace.design.merit import Merit, Terms
-from lenstrace.design.outcome import Change, Optimized, Term
+from lenstrace.design.outcome import Change, Minima, Optimized, Term
 from lenstrace.design.problem import Problem, Start, check, start_of
 from lenstrace.design.search import BETTER, METHODS, Course, Step, search
+from lenstrace.design.starts import distinct, starts_of
 from lenstrace.errors import DesignError
 from lenstrace.sequential.lens import Lens
+
+# For each minimum that is kept, so many ends of searches are refined at most: many turn out to be the same lens.
+REFINED = 3
 
 Progress = Callable[[int, Step], None]
 
@@ -52,6 +58,44 @@ def optimize(
     return outcome_of(problem.lens, ready, course, compiled_after)
 
 
+def optimize_from(
+    problem: Problem,
+    starts: int | ArrayLike,
+    *,
+    keep: int = 16,
+    seed: int = 0,
+    progress: Callable[[int, int], None] | None = None,
+) -> Minima:
+    """Search from many starts at once, and keep the best distinct minima.
+
+    starts:    how many: random ones, within the bounds of the variables where they have them (see `starts.ranges_of`),
+               the first that of the problem. Or their numbers, (N, P), in the order of the variables.
+    keep:      of the distinct minima, the best so many are refined as `optimize` does, and given.
+    seed:      of the random numbers.
+    progress:  called with how many searches have ended, and N.
+
+    Ctrl-C gives what has been found so far.
+    """
+    began = time.perf_counter()
+    ready = begun(problem, checked=False)
+    chosen = starts_of(ready.start, starts, seed)
+    compiled_after = time.perf_counter() - began
+    found = search_many(ready.start, chosen, progress)
+    refined: list[tuple[Minimum, Course]] = []
+    try:
+        for each in distinct(found, ready.start)[: REFINED * keep]:
+            course = search(ready.merit, dataclasses.replace(ready.start, numbers=each.numbers), METHODS[0], None, None)
+            refined.append((Minimum(course.numbers, course.steps[-1].best, each.start), course))
+            if progress is not None:
+                progress(len(found), len(chosen))
+    except KeyboardInterrupt:
+        pass
+    apart = distinct([minimum for minimum, _ in refined], ready.start)
+    courses = {minimum.start: course for minimum, course in refined}
+    lenses = [outcome_of(problem.lens, ready, courses[each.start], compiled_after) for each in apart[:keep]]
+    return Minima(tuple(lenses), len(apart), len(found), len(chosen), time.perf_counter() - began)
+
+
 class Ready(NamedTuple):
     """A problem whose search may begin: its merit is compiled, and known at the start."""
 
@@ -60,13 +104,16 @@ class Ready(NamedTuple):
     before: Terms
 
 
-def begun(problem: Problem) -> Ready:
-    """Pose a problem and compile its merit. DesignError, ImageError or LostRaysError where it has no start."""
+def begun(problem: Problem, checked: bool = True) -> Ready:
+    """Pose a problem and compile its merit. DesignError, ImageError or LostRaysError where it has no start.
+
+    checked: whether all that is wanted must exist at the start; flat plates have no focal length, but lead to some."""
     start = start_of(problem)
     with ThreadPoolExecutor(1) as thread:
         # compiled while the start is checked
         compiling = thread.submit(with_precision(_evaluated), start)
-        check(start)
+        if checked:
+            check(start)
         importlib.import_module("scipy.optimize")  # 0.2 s, needed next
         terms = compiling.result()
     wants = tuple(
@@ -83,7 +130,7 @@ def outcome_of(lens: Lens, ready: Ready, course: Course, compiled_after: float) 
     after = jax.device_get(ready.merit.evaluated(course.numbers).terms)
     merits = float(before.merit.sum()), float(after.merit.sum())
     improved = merits[1] < merits[0] * (1 - BETTER)
-    found = start.posed.lens_of(course.numbers.tolist()).astype(lens.precision) if improved else lens
+    found = start.posed.lens_of(course.numbers.tolist(), start.lens).astype(lens.precision) if improved else lens
     return Optimized(
         lens=found,
         history=course.steps,
@@ -111,7 +158,7 @@ def _message(improved: bool, course: Course) -> str:
 
 
 def _terms(start: Start, before: Terms, after: Terms) -> Iterator[Term]:
-    lens, place = start.posed.lens, 0
+    lens, place = start.lens, 0
     for want in start.posed.wants:
         target = getattr(want, "target", 0.0)
         for i, name in enumerate(names := want.names(lens)):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Iterator
 
 from lenstrace.design.search import Step
 from lenstrace.sequential.lens import Lens
@@ -80,10 +81,35 @@ class Optimized:
             for t in self.terms
         ]
         total = ("merit", "", "", "", "", f"{self.merit_before:.7e}", f"{self.merit_after:.7e}")
-        return _aligned([head, *rows, total])
+        return aligned([head, *rows, total], left=(0, 1, 4))
 
     def __repr__(self) -> str:
         return f"{self.message}: merit {self.merit_before:.7g} -> {self.merit_after:.7g}\n{self.table()}"
+
+
+@dataclasses.dataclass(frozen=True)
+class Minima:
+    """Lenses that searches from many starts came to, best first.
+
+    lenses:    the best distinct ones.      distinct: how many there were among the ends that were refined.
+    ended:     searches that came to an end, of `starts`; fewer after Ctrl-C.
+    seconds:   for all of it, compilation too.
+    """
+
+    lenses: tuple[Optimized, ...]
+    distinct: int
+    ended: int
+    starts: int
+    seconds: float
+
+    def __iter__(self) -> Iterator[Optimized]:
+        return iter(self.lenses)
+
+    def __len__(self) -> int:
+        return len(self.lenses)
+
+    def __getitem__(self, place: int) -> Optimized:
+        return self.lenses[place]
 
 
 def _number(value: float) -> str:
@@ -94,9 +120,9 @@ def _part(value: float) -> str:
     return f"{value:.3e}"
 
 
-def _aligned(rows: list[tuple[str, ...]]) -> str:
+def aligned(rows: list[tuple[str, ...]], left: tuple[int, ...]) -> str:
+    """Rows of words in columns, some of them to the left, the others to the right."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    left = (0, 1, 4)
     return "\n".join(
         "  ".join(
             text.ljust(width) if place in left else text.rjust(width)

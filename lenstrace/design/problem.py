@@ -6,6 +6,7 @@ import dataclasses
 from collections.abc import Sequence
 from typing import Any
 
+import jax
 import numpy as np
 
 from lenstrace.analysis.conditions import with_pupil
@@ -16,6 +17,7 @@ from lenstrace.design.ties import Tie, check_ties, tied
 from lenstrace.design.variables import Variable, limits_of, places_of
 from lenstrace.design.wants import Want
 from lenstrace.errors import DesignError
+from lenstrace.optics.media import AIR, Sampled
 from lenstrace.sequential.lens import Lens
 
 # Relative change of a tied number, when it is found again, that is rounding.
@@ -66,7 +68,8 @@ class Problem:
 class Posed:
     """A problem as the search sees it: every leaf is a number.
 
-    lens:    with room for every number that may change.
+    lens:    with room for every number that may change; glasses are their indices, so that another glass is another
+             number, and no program is compiled anew for it.
     wants, ties: of the problem, `posed`.
     places:  of the P numbers that may change.
     """
@@ -76,15 +79,16 @@ class Posed:
     ties: tuple[Tie, ...]
     places: tuple[Place, ...] = static()
 
-    def lens_of(self, numbers: Any) -> Lens:
-        """The lens with such numbers, P of them, at its places; JAX may trace them."""
-        return tied(written(self.lens, zip(self.places, numbers, strict=True)), self.ties)
+    def lens_of(self, numbers: Any, lens: Lens | None = None) -> Lens:
+        """The lens, or another one like it, with such numbers, P of them, at its places; JAX may trace them."""
+        return tied(written(lens or self.lens, zip(self.places, numbers, strict=True)), self.ties)
 
 
 @dataclasses.dataclass(frozen=True)
 class Start:
-    """Where a search begins: the problem, the P numbers of its lens, and their bounds."""
+    """Where a search begins: the lens with room for its numbers, the problem, the P numbers, and their bounds."""
 
+    lens: Lens
     posed: Posed
     numbers: np.ndarray
     low: np.ndarray
@@ -110,14 +114,26 @@ def start_of(problem: Problem) -> Start:
     sides = [place for place in bounds if (place.kind, place.part) in (("decenter", 0), ("tilt", 1), ("tilt", 2))]
     mirrored = is_mirrored(lens) and not sides
     wants = tuple(want.posed(lens, mirrored) for want in problem.want)
-    return Start(Posed(lens, wants, ties, tuple(bounds)), numbers, low, high)
+    return Start(lens, Posed(_sampled(lens), wants, ties, tuple(bounds)), numbers, low, high)
 
 
 def check(start: Start) -> None:
     """What has to be traced to be known: a pupil, and the figures that are wanted. LensTraceError."""
-    with_pupil(start.posed.lens)
+    with_pupil(start.lens)
     for want in start.posed.wants:
-        want.check(start.posed.lens)
+        want.check(start.lens)
+
+
+def _sampled(lens: Lens) -> Lens:
+    """With the indices of its catalogue glasses in their place."""
+    um = lens.wavelengths.um
+
+    def known(medium: Any) -> Any:
+        fixed = not jax.tree.leaves(medium) and medium is not AIR
+        return Sampled(tuple(float(medium.index(each)) for each in um), um) if fixed else medium
+
+    rows = tuple(dataclasses.replace(row, medium=known(row.medium), glass=None) for row in lens.rows)
+    return dataclasses.replace(lens, rows=rows, object_medium=known(lens.object_medium), name="", source="")
 
 
 def _check_ties_hold(lens: Lens, ties: tuple[Tie, ...]) -> None:

@@ -75,10 +75,6 @@ class OverPupil(Want):
             halved=half is not None,
         )
 
-    def check(self, lens: Lens) -> None:
-        """ImageError where the image is at infinity."""
-        with_image(lens, type(self).__name__)
-
     def counting(self, failure: np.ndarray) -> Want:
         """Rays that an aperture stops do not count. LostRaysError where all rays are lost; it says where."""
         if np.all(failure):
@@ -211,6 +207,10 @@ class WavefrontRMS(OverPupil):
     def words(self) -> str:
         """RMS wavefront."""
         return "RMS wavefront"
+
+    def check(self, lens: Lens) -> None:
+        """ImageError where the image is at infinity."""
+        with_image(lens, "WavefrontRMS")
 
     def posed(self, lens: Lens, mirrored: bool) -> Want:
         """RayError for an unknown reference; else see `OverPupil`."""

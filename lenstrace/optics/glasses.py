@@ -17,11 +17,12 @@ relative to air or to vacuum (but for five of VITRON's: air). The package's conv
 from __future__ import annotations
 
 import difflib
+import functools
 
-from lenstrace.errors import UnknownGlassError
+from lenstrace.errors import MediumError, UnknownGlassError
 from lenstrace.optics.glass_names import MAKERS, PAGES, Page, plain
 from lenstrace.optics.glass_pages import page_name, page_paths, read_page
-from lenstrace.optics.media import AIR, Air, Formula, Table
+from lenstrace.optics.media import AIR, LINE_C, LINE_D, LINE_F, Air, Formula, Table
 
 SUGGESTIONS = 4
 
@@ -74,6 +75,27 @@ def catalogs_with(name: str) -> tuple[str, ...]:
     key = plain(name)
     alias = [_catalog_of(PAGES[key])] if key in PAGES else []
     return tuple(dict.fromkeys([*alias, *page_paths().get(key, {})]))
+
+
+@functools.cache
+def glass_map(catalog: str) -> tuple[tuple[str, float, float], ...]:
+    """Name, nd and vd of every glass of a maker that is known from the F to the C line; else UnknownGlassError.
+
+    >>> next(row for row in glass_map("SCHOTT") if row[0] == "N-BK7")
+    ('N-BK7', 1.5168, 64.17)
+    """
+    if catalog not in MAKERS:
+        raise UnknownGlassError(f"glass catalogue {catalog!r} is not known; it is one of {', '.join(MAKERS)}")
+    found = []
+    for makers in page_paths().values():
+        if catalog in makers:
+            name = page_name(makers[catalog])
+            try:
+                d, f, c = (float(n) for n in read_page(makers[catalog], name, catalog).index([LINE_D, LINE_F, LINE_C]))
+            except MediumError:
+                continue
+            found.append((name, round(d, 6), round((d - 1) / (f - c), 3)))
+    return tuple(found)
 
 
 def catalogs() -> tuple[str, ...]:

@@ -1,0 +1,250 @@
+"""Sensitivities: what an error of every construction number of a lens does to its results, out of one Jacobian.
+
+With the rays of a spot r, about their centroid, and their slopes j by a number, an error t of the number makes the RMS
+sqrt(|r|^2 + 2 t r.j + t^2 |j|^2): no toleranced lens is traced. Independent errors, each as large as its tolerance on
+average, make sqrt(|r|^2 + sum t^2 |j|^2). Source: Rimmer, Appl. Opt. 9, 533 (1970).
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from lenstrace.analysis.conditions import conditions_of, with_pupil
+from lenstrace.compute.compiled import compiled
+from lenstrace.compute.pytree import pytree, static
+from lenstrace.design.places import Place, prepared, read, written
+from lenstrace.design.spot_wants import SpotRMS
+from lenstrace.design.view import View
+from lenstrace.errors import DesignError
+from lenstrace.optics.media import Air, Melt
+from lenstrace.sequential.lens import Lens
+
+KINDS = ("radius", "thickness", "decenter", "tilt", "index", "abbe")
+
+
+@dataclasses.dataclass(frozen=True)
+class Tolerances:
+    """Errors that a shop keeps to, the same for every surface; 0 leaves a kind out. Defaults: a commercial grade.
+
+    radius:    of the radius of curvature, as a part of it.        flatness: of curvatures near 0, 1/mm.
+    thickness: mm.      decenter: of a surface, along y, mm.       tilt: of a surface, about x, degrees.
+    index:     of all indices of a glass.                          abbe: of its Abbe number, as a part of it.
+    """
+
+    radius: float = 1e-3
+    flatness: float = 1e-6
+    thickness: float = 0.05
+    decenter: float = 0.02
+    tilt: float = 1 / 60
+    index: float = 5e-4
+    abbe: float = 5e-3
+
+    def __post_init__(self) -> None:
+        """DesignError for what is no error."""
+        for field in dataclasses.fields(self):
+            value = getattr(self, field.name)
+            if (
+                isinstance(value, bool)
+                or not isinstance(value, int | float)
+                or not (math.isfinite(value) and value >= 0)
+            ):
+                raise DesignError(f"tolerance {field.name} must be a number, 0 or more, got {value!r}")
+
+
+@dataclasses.dataclass(frozen=True)
+class Sensitivity:
+    """What an error of one number does.
+
+    name, unit, tolerance:  of the number.
+    focal_length, back_focal_length:  changes, mm, for an error of + the tolerance.
+    spots:  (F,), by how much the RMS spot of each field, all wavelengths together, becomes larger, mm, for the worse
+            sign of the error.
+    """
+
+    name: str
+    unit: str
+    tolerance: float
+    focal_length: float
+    back_focal_length: float
+    spots: np.ndarray
+
+    @property
+    def worst(self) -> float:
+        """Of the spots, mm."""
+        return float(np.max(self.spots))
+
+
+@dataclasses.dataclass(frozen=True)
+class Sensitivities:
+    """Of all numbers of a lens, what hurts most first.
+
+    rows:           one for each number.
+    focal_length, back_focal_length, spots: of the lens as designed; mm, spots (F,).
+    expected_focal_length, expected_back_focal_length: root of the sum of the squares of all changes, mm.
+    expected_spots: (F,), mm, RMS spots on average over lenses whose errors are independent, each of the size of its
+                    tolerance.
+    refocused:      the image distance is adjusted for each lens.
+    """
+
+    rows: tuple[Sensitivity, ...]
+    focal_length: float
+    back_focal_length: float
+    spots: np.ndarray
+    expected_focal_length: float
+    expected_back_focal_length: float
+    expected_spots: np.ndarray
+    refocused: bool
+
+
+def sensitivity(
+    lens: Lens, tolerances: Tolerances | None = None, *, refocus: bool = True, rings: int = 6
+) -> Sensitivities:
+    """What errors of construction do to focal lengths and spots, of every curvature, gap, surface position and glass.
+
+    tolerances: sizes of the errors; those of `Tolerances` by default.
+    refocus:    the last gap is adjusted for each error, for the least sum of the squares of all spots; else the image
+                surface stays where it is.
+    rings:      of the pupil, hexapolar.
+    DesignError for a lens without a focal length.
+    """
+    tolerances = tolerances or Tolerances()
+    lens = lens.astype("float64")
+    with_pupil(lens)
+    if conditions_of(lens).powerless:
+        raise DesignError("sensitivity: the lens is afocal, and its spots and focal lengths are at infinity")
+    errors = _errors(lens, tolerances)
+    places = tuple(each.place for each in errors if each.place.kind not in ("index", "abbe"))
+    whole = prepared(lens, (*places, _focus(lens)))
+    want = SpotRMS(polychromatic=True, rings=rings).posed(whole, False)
+    found = jax.device_get(
+        _slopes(_Asked(whole, want, tuple(each.place for each in errors)), np.zeros(len(errors) + 1))
+    )
+    return _summed(errors, found, refocus)
+
+
+class _Error(NamedTuple):
+    """Of one number: where it stands, how large, and how it is said."""
+
+    place: Place
+    size: float
+    name: str
+    unit: str
+    said: float
+
+
+@pytree
+class _Asked:
+    lens: Lens
+    want: Any
+    places: tuple[Place, ...] = static()
+
+
+class _Slopes(NamedTuple):
+    """Focal lengths (2,), mean squares of the spots (F,); their slopes (2, P), and half of theirs (F, P); squares of
+    the slopes of the rays (F, P), and their products with those by the image distance, the last number, (F, P).
+    """
+
+    lengths: Any
+    squares: Any
+    lengths_by: Any
+    along: Any
+    slopes: Any
+    with_focus: Any
+
+
+def _errors(lens: Lens, tolerances: Tolerances) -> list[_Error]:
+    """Errors of all numbers that matter."""
+    found = []
+    for surface, (row, bends) in enumerate(zip(lens, np.asarray(lens.system.bends), strict=True), 1):
+        if bends:
+            curvature = float(row.curvature)
+            size = max(abs(curvature) * tolerances.radius, tolerances.flatness)
+            flat = abs(curvature) * tolerances.radius < tolerances.flatness
+            name, unit = (f"curvature {surface}", "1/mm") if flat else (f"radius {surface}", "mm")
+            found.append(_Error(Place("curvature", surface), size, name, unit, size if flat else size / curvature**2))
+            for kind, part, unit in (("decenter", 1, "mm"), ("tilt", 0, "deg")):
+                place, size = Place(kind, surface, part), getattr(tolerances, kind)
+                found.append(_Error(place, size, place.label, unit, size))
+        if surface < len(lens):
+            found.append(
+                _Error(Place("thickness", surface), *_said(tolerances.thickness, f"thickness {surface}", "mm"))
+            )
+        if not row.mirror and not isinstance(row.medium, Air):
+            found.append(_Error(Place("index", surface), *_said(tolerances.index, f"index {surface}", "")))
+            if len(lens.wavelengths.um) > 1:
+                found.append(_Error(Place("abbe", surface), *_said(tolerances.abbe, f"Abbe number {surface}", "of it")))
+    return [error for error in found if error.size > 0]
+
+
+def _said(size: float, name: str, unit: str) -> tuple[float, str, str, float]:
+    return size, name, unit, size
+
+
+def _focus(lens: Lens) -> Place:
+    return Place("thickness", len(lens))
+
+
+def _with_errors(lens: Lens, places: tuple[Place, ...], errors: jax.Array) -> Lens:
+    """The lens with errors of its numbers; of glasses as of a melt."""
+    reference = lens.wavelengths.um[lens.wavelengths.primary]
+    changed = dict(zip(places, jnp.unstack(errors), strict=True))
+    melted = sorted({place.surface for place in places if place.kind in ("index", "abbe")})
+    rows = list(lens.rows)
+    for surface in melted:
+        shift = changed.pop(Place("index", surface), 0.0)
+        # a larger Abbe number is less dispersion
+        spread = -changed.pop(Place("abbe", surface), 0.0)
+        row = rows[surface - 1]
+        rows[surface - 1] = dataclasses.replace(row, medium=Melt(row.medium, shift, spread, reference))
+    lens = dataclasses.replace(lens, rows=tuple(rows))
+    return written(lens, [(place, read(lens, place) + error) for place, error in changed.items()])
+
+
+@compiled
+def _slopes(asked: _Asked, zero: Any) -> _Slopes:
+    places = (*asked.places, _focus(asked.lens))
+
+    def results(errors: jax.Array) -> tuple[jax.Array, jax.Array]:
+        view = View(_with_errors(asked.lens, places, errors))
+        first = view.first_order
+        return jnp.stack([first.focal_length, first.back_focal_length]), asked.want.measured(view).residual
+
+    def along(direction: jax.Array) -> Any:
+        return jax.jvp(results, (zero,), (direction,))
+
+    (lengths, rays), (lengths_by, rays_by) = jax.vmap(along, out_axes=(None, -1))(jnp.eye(len(zero), dtype=zero.dtype))
+    return _Slopes(
+        lengths,
+        jnp.sum(rays * rays, -1),
+        lengths_by,
+        jnp.einsum("fm,fmp->fp", rays, rays_by),
+        jnp.einsum("fmp,fmp->fp", rays_by, rays_by),
+        jnp.einsum("fm,fmp->fp", rays_by[..., -1], rays_by),
+    )
+
+
+def _summed(errors: list[_Error], found: _Slopes, refocus: bool) -> Sensitivities:
+    # how far the image is moved for a unit of each error, and what the slopes then are
+    total = np.sum(found.with_focus[:, -1])
+    moved = -np.sum(found.with_focus, 0) / total if refocus and total > 0 else np.zeros(found.along.shape[1])
+    along = found.along + moved * found.along[:, -1:]
+    slopes = found.slopes + 2 * moved * found.with_focus + moved**2 * found.with_focus[:, -1:]
+    rms = np.sqrt(found.squares)
+    rows = []
+    for i, error in enumerate(errors):
+        linear, square = 2 * error.size * np.abs(along[:, i]), error.size**2 * np.maximum(slopes[:, i], 0)
+        worse = np.sqrt(found.squares + linear + square) - rms
+        focal, back = (float(a) * error.size for a in found.lengths_by[:, i])
+        rows.append(Sensitivity(error.name, error.unit, error.said, focal, back, worse))
+    sizes = np.array([error.size for error in errors])
+    squares = found.squares + slopes[:, :-1] @ sizes**2
+    lengths = np.sqrt(found.lengths_by[:, :-1] ** 2 @ sizes**2)
+    rows.sort(key=lambda row: -row.worst)
+    (focal, back), (focal_error, back_error) = map(float, found.lengths), map(float, lengths)
+    return Sensitivities(tuple(rows), focal, back, rms, focal_error, back_error, np.sqrt(squares), refocus)
