@@ -30,6 +30,7 @@ NAMES = sorted(
         "tessar",
         "thick_meniscus",
         "three_mirror_telescope",
+        "triplet_to_optimize",
     ]
 )
 
