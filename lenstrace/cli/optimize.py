@@ -11,9 +11,11 @@ from rich.console import Console
 
 from lenstrace.analysis.layout import layout
 from lenstrace.cli.output import add_common, number_text, print_json, print_table
-from lenstrace.design.optimize import optimize
-from lenstrace.design.outcome import Optimized
+from lenstrace.cli.progress import progress
+from lenstrace.design.optimize import optimize, optimize_from
+from lenstrace.design.outcome import Minima, Optimized
 from lenstrace.design.search import METHODS, Step
+from lenstrace.errors import DesignError
 from lenstrace.io.problem import load_problem, save_problem
 from lenstrace.plotting.files import check_folder, check_target, save_figure
 from lenstrace.plotting.optimize import optimize_figure
@@ -29,6 +31,7 @@ def add_parser(commands: Any) -> None:
     )
     parser.add_argument("--method", choices=METHODS, default=METHODS[0], help=f"of the search ({METHODS[0]})")
     parser.add_argument("--seconds", type=float, metavar="S", help="the best lens found in so many seconds")
+    parser.add_argument("--starts", type=int, metavar="N", help="search from N random starts; the best lens is written")
     parser.set_defaults(run=run)
 
 
@@ -39,16 +42,26 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.output:
         check_folder(arguments.output)
     problem = load_problem(arguments.design)
-    with course() as report:
-        found = optimize(problem, method=arguments.method, seconds=arguments.seconds, progress=report)
+    minima = None
+    if arguments.starts is None:
+        with course() as report:
+            found = optimize(problem, method=arguments.method, seconds=arguments.seconds, progress=report)
+    else:
+        with progress("searches") as count:
+            minima = optimize_from(problem, arguments.starts, seconds=arguments.seconds, progress=count)
+        if not minima.lenses:
+            raise DesignError("none of the searches came to a lens; give more starts, more seconds, or other bounds")
+        found = minima[0]
     if arguments.output:
         save_problem(found.lens, arguments.design, arguments.output)
     if arguments.plot:
         drawings = layout(problem.lens), layout(found.lens)
         save_figure(optimize_figure(found, *drawings, problem.lens.name or arguments.design), arguments.plot)
     if arguments.json:
-        print_json(outcome_keys(found))
+        print_json(outcome_keys(found) | ({} if minima is None else minima_keys(minima)))
     else:
+        if minima is not None:
+            _print_minima(minima)
         _print(found, problem.lens.name or arguments.design)
         for written in filter(None, (arguments.output, arguments.plot)):
             print(f"wrote {written}")
@@ -104,6 +117,23 @@ def outcome_keys(found: Optimized) -> dict[str, Any]:
             for change in found.changes
         ],
     }
+
+
+def minima_keys(minima: Minima) -> dict[str, Any]:
+    """What --json adds for --starts; `minima` are the merits of the distinct ones."""
+    merits = [each.merit_after for each in minima]
+    return {"starts": minima.starts, "ended": minima.ended, "distinct": minima.distinct, "minima": merits}
+
+
+def _print_minima(minima: Minima) -> None:
+    rows = [
+        [str(i), f"{each.merit_after:.7e}", number_text(sum(row.thickness for row in each.lens))]
+        for i, each in enumerate(minima, 1)
+    ]
+    ended = f"{minima.ended} of {minima.starts} searches ended, in {minima.seconds:.1f} s"
+    print_table(
+        f"{ended}; of the ends that were refined {minima.distinct} are distinct", ["", "merit", "total track, mm"], rows
+    )
 
 
 def _print(found: Optimized, name: str) -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import functools
 import os
+import time
 from collections import deque
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -59,16 +60,19 @@ class Minimum(NamedTuple):
     start: int
 
 
-def search_many(start: Start, starts: np.ndarray, progress: Callable[[int, int], None] | None) -> list[Minimum]:
+def search_many(
+    start: Start, starts: np.ndarray, seconds: float | None, progress: Callable[[int, int], None] | None
+) -> list[Minimum]:
     """Minima near to each of many starts (N, P), in the order in which they were found.
 
+    seconds:  after so many no more are sought.
     progress: called with how many have ended, and N. Ctrl-C gives those found so far.
     """
     fixed, packing = packed(start.posed)
     advanced, asked = _advanced(packing), (fixed, start.low, start.high)
     waiting, found = deque(enumerate(starts)), list[Minimum]()
     count = starts.shape[1]
-    stopped = Event()
+    stopped, began = Event(), time.perf_counter()
 
     def work(_: int) -> None:
         places: list[int | None] = [None] * LANES
@@ -76,7 +80,7 @@ def search_many(start: Start, starts: np.ndarray, progress: Callable[[int, int],
         matrix, slope = np.zeros((LANES, count, count)), np.zeros((LANES, count))
         numbers = np.tile(start.numbers, (LANES, 1))
         lanes = Lane(numbers, nothing, matrix, slope, one, one, np.zeros(LANES, int), np.ones(LANES, bool))
-        while not stopped.is_set():
+        while not stopped.is_set() and (seconds is None or time.perf_counter() - began < seconds):
             fresh = np.zeros(LANES, bool)
             for i in range(LANES):
                 if places[i] is None and waiting:

@@ -7,7 +7,7 @@ import importlib
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from typing import NamedTuple
+from typing import NamedTuple, overload
 
 import jax
 import numpy as np
@@ -29,24 +29,43 @@ REFINED = 3
 Progress = Callable[[int, Step], None]
 
 
+@overload
 def optimize(
     problem: Problem,
     *,
-    method: str = "least_squares",
+    method: str = ...,
+    seconds: float | None = ...,
+    progress: Progress | None = ...,
+    starts: None = ...,
+) -> Optimized: ...
+
+
+@overload
+def optimize(problem: Problem, *, starts: int | ArrayLike, seconds: float | None = ...) -> Minima: ...
+
+
+def optimize(
+    problem: Problem,
+    *,
+    method: str = METHODS[0],
     seconds: float | None = None,
     progress: Progress | None = None,
-) -> Optimized:
+    starts: int | ArrayLike | None = None,
+) -> Optimized | Minima:
     """Change the numbers of a lens until its merit, the sum of squares of weighted residuals, is least.
 
     method:    "least_squares", scipy's bounded trust region search with the exact Jacobian; or "lbfgs", L-BFGS-B with
                the gradient in reverse, for hundreds of variables.
     seconds:   at most, for the search; the best lens so far is given then.
     progress:  called with the number of each evaluation and its `Step`.
+    starts:    to search from many starts for several minima: see `optimize_from`, which it then calls.
 
     Ctrl-C gives the best lens so far. A program is compiled for each structure of a problem; none is for other numbers,
-    weights, targets or bounds. A minimum that is found is a near one: for others see `starts`.
+    weights, targets or bounds. The minimum that is found is a near one.
     DesignError for a problem that cannot be posed, LostRaysError where no ray of the start arrives.
     """
+    if starts is not None:
+        return optimize_from(problem, starts, seconds=seconds)
     if method not in METHODS:
         raise DesignError(f"method must be one of {', '.join(METHODS)}, got {method!r}")
     if seconds is not None and not seconds > 0:
@@ -64,6 +83,7 @@ def optimize_from(
     *,
     keep: int = 16,
     seed: int = 0,
+    seconds: float | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Minima:
     """Search from many starts at once, and keep the best distinct minima.
@@ -72,6 +92,7 @@ def optimize_from(
                the first that of the problem. Or their numbers, (N, P), in the order of the variables.
     keep:      of the distinct minima, the best so many are refined as `optimize` does, and given.
     seed:      of the random numbers.
+    seconds:   after so many no search is taken on; the best of those that have ended are refined then.
     progress:  called with how many searches have ended, and N.
 
     Ctrl-C gives what has been found so far.
@@ -80,7 +101,7 @@ def optimize_from(
     ready = begun(problem, checked=False)
     chosen = starts_of(ready.start, starts, seed)
     compiled_after = time.perf_counter() - began
-    found = search_many(ready.start, chosen, progress)
+    found = search_many(ready.start, chosen, seconds, progress)
     refined: list[tuple[Minimum, Course]] = []
     try:
         for each in distinct(found, ready.start)[: REFINED * keep]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import importlib.util
 import os
+import time
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
@@ -58,11 +59,17 @@ def optiland_double_gauss(backend: str = "numpy", precision: str = "float64") ->
     backend: numpy or torch. It is a setting of the whole process, numpy except while the lens is made or traced.
     precision: of torch alone.
     """
+    _set(backend, precision)
+    optic = _optiland_lens(_written())
+    _set("numpy", precision)
+    return optic
+
+
+def _optiland_lens(written: dict[str, Any]) -> Any:
+    """The lens of a file of centred surfaces, with the keys of which it is written."""
     import optiland.backend as be
     from optiland.materials import BaseMaterial
     from optiland.optic import Optic
-
-    _set(backend, precision)
 
     class Tabulated(BaseMaterial):
         """Indices n at the wavelengths um; they do not change, so that Optiland may keep what it has looked up."""
@@ -80,7 +87,6 @@ def optiland_double_gauss(backend: str = "numpy", precision: str = "float64") ->
         def _calculate_k(self, wavelength: Any, **_: Any) -> Any:
             return 0.0 * wavelength
 
-    written = _written()
     optic = Optic()
     optic.surfaces.add(index=0, radius=np.inf, thickness=np.inf)
     rows = written["lens"]["surfaces"]
@@ -95,7 +101,6 @@ def optiland_double_gauss(backend: str = "numpy", precision: str = "float64") ->
         optic.fields.add(y=y)
     for um in written["wavelengths"]["um"]:
         optic.wavelengths.add(value=um, is_primary=um == written["wavelengths"]["primary"])
-    _set("numpy", precision)
     return optic
 
 
@@ -203,3 +208,29 @@ def _radius() -> float:
 
 def _written() -> dict[str, Any]:
     return tomllib.loads(FILE.read_text())
+
+
+def optiland_optimized(file: Path) -> tuple[float, float]:
+    """Merit and seconds of Optiland's least squares on the triplet of a file: nine spots of 6 rings and the focal
+    length, six radii and three gaps."""
+    from optiland.optimization import LeastSquares, OptimizationProblem
+
+    _set("numpy", "float64")
+    written = tomllib.loads(file.read_text())
+    optic = _optiland_lens(written)
+    problem = OptimizationProblem()
+    top = max(written["fields"]["y"])
+    for y in written["fields"]["y"]:
+        for um in written["wavelengths"]["um"]:
+            asked = {"optic": optic, "surface_number": -1, "Hx": 0, "Hy": y / top, "num_rays": 6, "wavelength": um}
+            problem.add_operand("rms_spot_size", target=0, weight=1, input_data={**asked, "distribution": "hexapolar"})
+    (wanted,) = (each["target"] for each in written["optimize"]["want"] if each["kind"] == "focal_length")
+    problem.add_operand("f2", target=wanted, weight=1, input_data={"optic": optic})
+    for number in range(1, 7):
+        problem.add_variable(optic, "radius", surface_number=number)
+    for number in (2, 4, 6):
+        bounds = {} if number == 6 else {"min_val": 0.1}
+        problem.add_variable(optic, "thickness", surface_number=number, **bounds)
+    start = time.perf_counter()
+    LeastSquares(problem).optimize()
+    return float(problem.sum_squared()), time.perf_counter() - start

@@ -20,7 +20,7 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 # read when OpenMP is first loaded: its threads are not to spin on while the next call is timed
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 
-from tests.benchmarks import diffraction, forward, honesty, limit, processes, rates, required, small
+from tests.benchmarks import design, diffraction, forward, honesty, limit, processes, rates, required, small
 
 SECTIONS = {
     "forward": forward.forward,
@@ -34,6 +34,7 @@ SECTIONS = {
     "compile": processes.compile,
     "start": processes.start,
     "batch": small.batch,
+    "design": design.design,
 }
 PACKAGES = ("lenstrace", "jax", "jaxlib", "numpy", "batoid", "optiland", "torch", "rayoptics")
 CPU = Path("/proc/cpuinfo")

@@ -12,7 +12,6 @@ from lenstrace import Lens, Problem
 from lenstrace.design import (
     Abbe,
     Curvature,
-    EdgeThickness,
     FocalLength,
     Index,
     SpotRMS,
@@ -21,30 +20,19 @@ from lenstrace.design import (
     optimize_from,
 )
 from lenstrace.optics.glasses import glass_map
+from tests.design.problems import plates
 
 
 @pytest.fixture(scope="module")
-def plates(designs: dict[str, Lens]) -> Problem:
+def flat(designs: dict[str, Lens]) -> Problem:
     """Three flat plates of the triplet's glasses."""
-    lens = designs["cooke_triplet"].replace(curvature=[0.0] * 6, thickness=[3.0, 5.0, 2.0, 5.0, 3.0, 42.0])
-    vary = [
-        Curvature([1, 2, 3, 4, 5, 6]),
-        Thickness([1, 3, 5], bounds=(1.0, 8.0)),
-        Thickness([2, 4], bounds=(0.5, 15.0)),
-        Thickness("last", bounds=(20.0, 60.0)),
-    ]
-    want = [
-        SpotRMS(rings=3),
-        FocalLength(50.0, weight=0.1),
-        EdgeThickness(min=0.51, surfaces=[1, 2, 3, 4, 5], weight=3.0),
-    ]
-    return Problem(lens, vary=vary, want=want)
+    return plates(designs["cooke_triplet"], rings=3)
 
 
-def test_from_flat_plates_to_a_triplet(plates: Problem, designs: dict[str, Lens]) -> None:
+def test_from_flat_plates_to_a_triplet(flat: Problem, designs: dict[str, Lens]) -> None:
     """At least as good as the published lens, whose focal length and aperture it has."""
     told: list[tuple[int, int]] = []
-    found = optimize_from(plates, 24, keep=3, progress=lambda done, all: told.append((done, all)))
+    found = optimize_from(flat, 24, keep=3, progress=lambda done, all: told.append((done, all)))
     assert found.ended == found.starts == 24
     assert told[-1] == (24, 24)
     merits = [each.merit_after for each in found]
@@ -60,19 +48,19 @@ def test_from_flat_plates_to_a_triplet(plates: Problem, designs: dict[str, Lens]
     assert np.all(gaps[[1, 3]] >= 0.5)
 
 
-def test_given_starts_and_an_interruption(plates: Problem, designs: dict[str, Lens]) -> None:
+def test_given_starts_and_an_interruption(flat: Problem, designs: dict[str, Lens]) -> None:
     published = designs["cooke_triplet"]
     numbers = np.concatenate([published.curvature, np.asarray(published.thickness)[[0, 2, 4, 1, 3, 5]]])
     numbers[6:9] = np.clip(numbers[6:9], 1.0, 8.0)
     want = [SpotRMS(rings=3), FocalLength(50.0, weight=0.1)]
-    found = optimize_from(dataclasses.replace(plates, want=want), numbers[None] * np.array([[1.0], [1.001]]), keep=4)
+    found = optimize_from(dataclasses.replace(flat, want=want), numbers[None] * np.array([[1.0], [1.001]]), keep=4)
     assert found.distinct == 1  # both come to the same lens
     assert found[0].merit_after < found[0].merit_before or not np.isfinite(found[0].merit_before)
 
     def stop(_: int, __: int) -> None:
         raise KeyboardInterrupt
 
-    assert optimize_from(dataclasses.replace(plates, want=want), 24, progress=stop).ended < 24
+    assert optimize_from(dataclasses.replace(flat, want=want), 24, progress=stop).ended < 24
 
 
 def test_real_glasses_for_model_glasses(designs: dict[str, Lens]) -> None:
