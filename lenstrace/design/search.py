@@ -18,6 +18,8 @@ TOLERANCE = 1e-10
 # A merit that has fallen by less than this part of itself is not better.
 BETTER = 1e-9
 EVALUATIONS = 2000
+# A beginning anew that gains less than this part of the merit is the last.
+SAME_MERIT = 1e-6
 
 
 class Step(NamedTuple):
@@ -150,24 +152,32 @@ def _least_squares(record: _Record, start: Start) -> str:
 
 
 def _lbfgs(record: _Record, start: Start) -> str:
-    """scipy's L-BFGS-B, on gradients in reverse, every number in units of how much it moves the first residuals."""
+    """scipy's L-BFGS-B, on gradients in reverse, every number in units of how much it moves the residuals.
+
+    It forgets its curvatures and begins anew, in new units, until that gains nothing: alone it may end in a valley."""
     from scipy.optimize import minimize
 
-    _, jacobian = record.least_squares(start.numbers)
-    length = np.linalg.norm(jacobian, axis=0)
-    unit = 1 / np.where(length > 0, length, max(float(length.max()), 1.0))
+    low_and_high = np.stack([start.low, start.high], 1)
+    while True:
+        before = record.best
+        residual, jacobian = record.least_squares(before)
+        length = np.linalg.norm(jacobian, axis=0)
+        unit = 1 / np.where(length > 0, length, max(float(length.max()), 1.0))
 
-    def scaled(x: np.ndarray) -> tuple[float, np.ndarray]:
-        value, slope = record.gradient(x * unit)
-        return value, slope * unit
+        def scaled(x: np.ndarray, unit: np.ndarray = unit) -> tuple[float, np.ndarray]:
+            value, slope = record.gradient(np.clip(x * unit, start.low, start.high))
+            return value, slope * unit
 
-    found = minimize(
-        scaled,
-        start.numbers / unit,
-        jac=True,
-        method="L-BFGS-B",
-        bounds=np.stack([start.low, start.high], 1) / unit[:, None],
-        options={"maxiter": EVALUATIONS, "maxfun": EVALUATIONS, "maxcor": 30, "ftol": TOLERANCE**1.5, "gtol": 0.0},
-    )
-    # it fails also where rounding leaves no step that is better: as near as it comes
-    return f"{EVALUATIONS} evaluations were not enough" if found.status == 1 else ""
+        left = EVALUATIONS - len(record.steps)
+        minimize(
+            scaled,
+            before / unit,
+            jac=True,
+            method="L-BFGS-B",
+            bounds=low_and_high / unit[:, None],
+            options={"maxiter": left, "maxfun": left, "maxcor": 30, "ftol": TOLERANCE**1.5, "gtol": 0.0},
+        )
+        if record.steps[-1].best > (1 - SAME_MERIT) * float(residual @ residual):
+            return ""
+        if len(record.steps) >= EVALUATIONS:
+            return f"{EVALUATIONS} evaluations were not enough"

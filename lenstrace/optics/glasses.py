@@ -82,7 +82,7 @@ def glass_map(catalog: str) -> tuple[tuple[str, float, float], ...]:
     """Name, nd and vd of every glass of a maker that is known from the F to the C line; else UnknownGlassError.
 
     >>> next(row for row in glass_map("SCHOTT") if row[0] == "N-BK7")
-    ('N-BK7', 1.5168, 64.17)
+    ('N-BK7', 1.5168, 64.167)
     """
     if catalog not in MAKERS:
         raise UnknownGlassError(f"glass catalogue {catalog!r} is not known; it is one of {', '.join(MAKERS)}")

@@ -43,8 +43,9 @@ def test_the_merit_is_that_of_the_lens_as_analysis_sees_it(problem_a: Problem, t
     assert "RMS spot, field 14 deg, 0.65 um" in triplet.table()
 
 
-def test_the_double_gauss_comes_to_its_minimum(problem_b: Problem) -> None:
-    found = lenstrace.optimize(problem_b)
+@pytest.mark.parametrize("method", ["least_squares", "lbfgs"])
+def test_the_double_gauss_comes_to_its_minimum(problem_b: Problem, method: str) -> None:
+    found = lenstrace.optimize(problem_b, method=method)
     assert found.merit_after == pytest.approx(LEAST_B, rel=1e-5)
     gaps = [found.lens[n].thickness for n in (2, 5, 6, 9)]
     assert min(gaps) >= 0.1
