@@ -20,9 +20,10 @@ from lenstrace.design.outcome import Minima, Optimized
 from lenstrace.design.problem import Problem
 from lenstrace.design.ray_wants import IncidenceAngle, RayAngle, RayHeight, TransverseError
 from lenstrace.design.sensitivity import Sensitivities, Tolerances, sensitivity
-from lenstrace.design.spot_wants import SpotRMS, WavefrontRMS
+from lenstrace.design.spot_wants import SpotRMS
 from lenstrace.design.ties import CurvatureSolve, Pickup, ThicknessSolve
 from lenstrace.design.variables import Abbe, Asphere, Conic, Curvature, Decenter, Index, Thickness, Tilt
+from lenstrace.design.wavefront_wants import WavefrontRMS
 
 __all__ = [
     "Abbe",

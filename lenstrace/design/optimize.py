@@ -37,11 +37,15 @@ def optimize(
     seconds: float | None = ...,
     progress: Progress | None = ...,
     starts: None = ...,
-) -> Optimized: ...
+) -> Optimized:
+    """From the lens of the problem."""
+    ...
 
 
 @overload
-def optimize(problem: Problem, *, starts: int | ArrayLike, seconds: float | None = ...) -> Minima: ...
+def optimize(problem: Problem, *, starts: int | ArrayLike, seconds: float | None = ...) -> Minima:
+    """From many starts."""
+    ...
 
 
 def optimize(

@@ -17,7 +17,8 @@ from lenstrace.design.ties import Tie, check_ties, tied
 from lenstrace.design.variables import Variable, limits_of, places_of
 from lenstrace.design.wants import Want
 from lenstrace.errors import DesignError
-from lenstrace.optics.media import AIR, Sampled
+from lenstrace.optics.made_media import Sampled
+from lenstrace.optics.media import AIR
 from lenstrace.sequential.lens import Lens
 
 # Relative change of a tied number, when it is found again, that is rounding.
@@ -56,7 +57,7 @@ class Problem:
         if not self.want:
             raise DesignError("want: nothing is wanted; name a want, such as SpotRMS()")
         for each in self.vary:
-            if not hasattr(type(each), "kind") or not dataclasses.is_dataclass(each):
+            if not isinstance(each, Variable):
                 raise DesignError(f"vary: {each!r} is no variable; they are Curvature, Thickness, Conic, Asphere, ...")
         for each in self.want:
             if not isinstance(each, Want):

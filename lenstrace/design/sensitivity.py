@@ -22,7 +22,8 @@ from lenstrace.design.places import Place, prepared, read, written
 from lenstrace.design.spot_wants import SpotRMS
 from lenstrace.design.view import View
 from lenstrace.errors import DesignError
-from lenstrace.optics.media import Air, Melt
+from lenstrace.optics.made_media import Melt
+from lenstrace.optics.media import Air
 from lenstrace.sequential.lens import Lens
 
 KINDS = ("radius", "thickness", "decenter", "tilt", "index", "abbe")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Iterator, Sequence
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -19,135 +19,105 @@ Surfaces = int | str | Sequence[int]
 Bounds = tuple[float | None, float | None]
 
 
-class Variable(Protocol):
-    """What every kind of variable offers; all of them are frozen dataclasses.
+@dataclasses.dataclass(frozen=True)
+class Variable:
+    """Numbers that may change.
 
-    surfaces: a number, a list of them, or a word that the kind knows. bounds: (least, most), None for none.
+    surfaces: a number, a list of them, or a word of `words`.      bounds: (least, most), None for none.
+    kind:     see `Place`.
     """
 
-    kind: ClassVar[str]
-    words: ClassVar[tuple[str, ...]]
-
-    @property
-    def surfaces(self) -> Surfaces:
-        """As they were given."""
-        ...
-
-    @property
-    def bounds(self) -> Bounds | None:
-        """As they were given."""
-        ...
+    surfaces: Surfaces
+    bounds: Bounds | None = dataclasses.field(default=None, kw_only=True)
+    kind: ClassVar[str] = ""
+    words: ClassVar[tuple[str, ...]] = ("all", "last")
 
     @property
     def parts(self) -> tuple[int, ...]:
-        """See `Place.part`."""
-        ...
+        """See `Place.part`; DesignError for what is none."""
+        return (0,)
 
 
 @dataclasses.dataclass(frozen=True)
-class Curvature:
+class Curvature(Variable):
     """Curvatures, 1/mm, planes among them; "all": of every surface that bends light."""
 
     surfaces: Surfaces = "all"
-    bounds: Bounds | None = None
-    kind: ClassVar = "curvature"
-    words: ClassVar = ("all", "last")
-    parts: ClassVar = (0,)
+    kind = "curvature"
 
 
 @dataclasses.dataclass(frozen=True)
-class Thickness:
+class Thickness(Variable):
     """Thicknesses, mm, each from its surface to the next; "all", or those of "glass" or "air"; "last" reaches to the
     image."""
 
-    surfaces: Surfaces
-    bounds: Bounds | None = None
-    kind: ClassVar = "thickness"
-    words: ClassVar = ("all", "last", "glass", "air")
-    parts: ClassVar = (0,)
+    kind = "thickness"
+    words = ("all", "last", "glass", "air")
 
 
 @dataclasses.dataclass(frozen=True)
-class Conic:
+class Conic(Variable):
     """Conic constants."""
 
-    surfaces: Surfaces
-    bounds: Bounds | None = None
-    kind: ClassVar = "conic"
-    words: ClassVar = ("all", "last")
-    parts: ClassVar = (0,)
+    kind = "conic"
 
 
 @dataclasses.dataclass(frozen=True)
-class Asphere:
+class Asphere(Variable):
     """Coefficients of r^p, mm^(1 - p), for some powers p; a surface without them gets them, 0 at first."""
 
-    surfaces: Surfaces
     powers: Sequence[int] = (4, 6)
-    bounds: Bounds | None = None
-    kind: ClassVar = "asphere"
-    words: ClassVar = ("all", "last")
+    kind = "asphere"
 
     @property
     def parts(self) -> tuple[int, ...]:
-        """The powers; DesignError for what is none."""
-        if not self.powers or any(isinstance(p, bool) or not isinstance(p, int) or p < 1 for p in self.powers):
-            raise DesignError(f"asphere: powers must be whole numbers such as [4, 6], got {list(self.powers)}")
-        return tuple(self.powers)
+        """The powers."""
+        powers = [self.powers] if isinstance(self.powers, int) else list(self.powers)
+        if not powers or any(isinstance(p, bool) or not isinstance(p, int) or p < 1 for p in powers):
+            raise DesignError(f"asphere: powers must be whole numbers such as [4, 6], got {self.powers!r}")
+        return tuple(powers)
 
 
 @dataclasses.dataclass(frozen=True)
-class Index:
+class Index(Variable):
     """The index at the d line of the media behind some surfaces. A catalogue's glass becomes a model glass (nd, vd),
     see `AbbeModel`; a medium of one index keeps one."""
 
-    surfaces: Surfaces
-    bounds: Bounds | None = None
-    kind: ClassVar = "index"
-    words: ClassVar = ("all", "glass")
-    parts: ClassVar = (0,)
+    kind = "index"
+    words = ("all", "glass")
 
 
 @dataclasses.dataclass(frozen=True)
-class Abbe:
+class Abbe(Variable):
     """The Abbe number vd of model glasses behind some surfaces, as `Index`."""
 
-    surfaces: Surfaces
-    bounds: Bounds | None = None
-    kind: ClassVar = "abbe"
-    words: ClassVar = ("all", "glass")
-    parts: ClassVar = (0,)
+    kind = "abbe"
+    words = ("all", "glass")
 
 
 @dataclasses.dataclass(frozen=True)
-class Decenter:
+class Decenter(Variable):
     """Decentres across the axis, mm; axes "x", "y" or "xy"."""
 
-    surfaces: Surfaces
     axes: str = "y"
-    bounds: Bounds | None = None
-    kind: ClassVar = "decenter"
-    words: ClassVar = ("all", "last")
+    kind = "decenter"
 
     @property
     def parts(self) -> tuple[int, ...]:
-        """Their places; DesignError for other letters."""
+        """Places of the axes."""
         return _axes(self.kind, self.axes, "xy")
 
 
 @dataclasses.dataclass(frozen=True)
-class Tilt:
+class Tilt(Variable):
     """Tilts, degrees; axes some of "xyz"."""
 
-    surfaces: Surfaces
     axes: str = "x"
-    bounds: Bounds | None = None
-    kind: ClassVar = "tilt"
-    words: ClassVar = ("all", "last")
+    kind = "tilt"
 
     @property
     def parts(self) -> tuple[int, ...]:
-        """Their places; DesignError for other letters."""
+        """Places of the axes."""
         return _axes(self.kind, self.axes, "xyz")
 
 
