@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import os
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any, TypeVar, cast
 
 import jax
@@ -44,6 +44,28 @@ def compiled(function: Function) -> Function:
             return thread.submit(with_precision(outside), *arguments).result()
 
     return cast(Function, call)
+
+
+class Program:
+    """A function of arrays whose shapes never change, compiled when it is first called, or before: see `begin`."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self._function = jax.jit(function, compiler_options=COMPILER_OPTIONS)
+        self._compiled: Future[Any] | None = None
+
+    def begin(self, *arguments: Any) -> None:
+        """Trace the function for such arguments, and let the compiler work on it in a thread of its own."""
+        if self._compiled is None:
+            lowered = self._function.lower(*arguments)
+            thread = ThreadPoolExecutor(1)
+            self._compiled = thread.submit(lowered.compile)
+            thread.shutdown(wait=False)
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Its result."""
+        self.begin(*arguments)
+        assert self._compiled is not None
+        return self._compiled.result()(*arguments)
 
 
 def with_precision(function: Callable[..., Any]) -> Callable[..., Any]:

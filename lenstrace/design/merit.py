@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 
-from lenstrace.compute.compiled import COMPILER_OPTIONS
+from lenstrace.compute.compiled import Program
 from lenstrace.compute.packing import Packing, packed
 from lenstrace.design.problem import Posed
 from lenstrace.design.view import View
@@ -46,6 +46,10 @@ class Merit:
     def __init__(self, posed: Posed) -> None:
         self._numbers, self._packing = packed(posed)
 
+    def begin(self, numbers: Any) -> None:
+        """Let the program of `evaluated` be compiled, while something else is done."""
+        programs(self._packing).evaluated.begin(self._numbers, numbers)
+
     def evaluated(self, numbers: Any) -> Evaluation:
         """Residuals, Jacobian and terms."""
         return programs(self._packing).evaluated(self._numbers, numbers)
@@ -58,8 +62,8 @@ class Merit:
 class Programs(NamedTuple):
     """Functions of the numbers of a `Posed` as one array, and of the P that vary."""
 
-    evaluated: Any
-    gradient: Any
+    evaluated: Program
+    gradient: Program
 
 
 @functools.lru_cache(maxsize=KEPT)
@@ -77,7 +81,7 @@ def programs(packing: Packing) -> Programs:
     def gradient(fixed: Any, numbers: Any) -> tuple[jax.Array, jax.Array]:
         return jax.value_and_grad(lambda p: jnp.sum(residuals(packing, fixed, p)[0] ** 2))(numbers)
 
-    return Programs(*(jax.jit(each, compiler_options=COMPILER_OPTIONS) for each in (evaluated, gradient)))
+    return Programs(Program(evaluated), Program(gradient))
 
 
 def residuals(packing: Packing, fixed: Any, numbers: Any) -> tuple[jax.Array, Terms]:

@@ -6,14 +6,12 @@ import dataclasses
 import importlib
 import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple, overload
 
 import jax
 import numpy as np
 from jax.typing import ArrayLike
 
-from lenstrace.compute.compiled import with_precision
 from lenstrace.design.batch import Minimum, search_many
 from lenstrace.design.merit import Merit, Terms
 from lenstrace.design.outcome import Change, Minima, Optimized, Term
@@ -134,15 +132,14 @@ def begun(problem: Problem, checked: bool = True) -> Ready:
 
     checked: whether all that is wanted must exist at the start; flat plates have no focal length, but lead to some."""
     start = start_of(problem)
-    with ThreadPoolExecutor(1) as thread:
-        # compiled while the start is checked
-        compiling = thread.submit(with_precision(_evaluated), start)
-        if checked:
-            check(start)
-        importlib.import_module("scipy.optimize")  # 0.2 s, needed next
-        terms = compiling.result()
+    Merit(start.posed).begin(start.numbers)
+    # while it is compiled
+    if checked:
+        check(start)
+    importlib.import_module("scipy.optimize")  # 0.2 s, needed next
+    terms = _evaluated(start)
     wants = tuple(
-        want if failure is None else want.counting(failure)
+        want if failure is None else want.counting(np.asarray(failure))
         for want, failure in zip(start.posed.wants, terms.failure, strict=True)
     )
     start = dataclasses.replace(start, posed=dataclasses.replace(start.posed, wants=wants))
