@@ -19,7 +19,8 @@ from lenstrace.design.optimize import optimize, optimize_from
 from lenstrace.design.outcome import Minima, Optimized
 from lenstrace.design.problem import Problem
 from lenstrace.design.ray_wants import IncidenceAngle, RayAngle, RayHeight, TransverseError
-from lenstrace.design.sensitivity import Sensitivities, Tolerances, sensitivity
+from lenstrace.design.sensitivities import Sensitivities, Tolerances
+from lenstrace.design.sensitivity import sensitivity
 from lenstrace.design.spot_wants import SpotRMS
 from lenstrace.design.ties import CurvatureSolve, Pickup, ThicknessSolve
 from lenstrace.design.variables import Abbe, Asphere, Conic, Curvature, Decenter, Index, Thickness, Tilt

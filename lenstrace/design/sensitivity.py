@@ -8,7 +8,6 @@ average, make sqrt(|r|^2 + sum t^2 |j|^2). Source: Rimmer, Appl. Opt. 9, 533 (19
 from __future__ import annotations
 
 import dataclasses
-import math
 from typing import Any, NamedTuple
 
 import jax
@@ -19,6 +18,8 @@ from lenstrace.analysis.conditions import conditions_of, with_pupil
 from lenstrace.compute.compiled import compiled
 from lenstrace.compute.pytree import pytree, static
 from lenstrace.design.places import Place, prepared, read, written
+from lenstrace.design.pupil_wants import field_text
+from lenstrace.design.sensitivities import Sensitivities, Sensitivity, Tolerances
 from lenstrace.design.spot_wants import SpotRMS
 from lenstrace.design.view import View
 from lenstrace.errors import DesignError
@@ -27,80 +28,6 @@ from lenstrace.optics.media import Air
 from lenstrace.sequential.lens import Lens
 
 KINDS = ("radius", "thickness", "decenter", "tilt", "index", "abbe")
-
-
-@dataclasses.dataclass(frozen=True)
-class Tolerances:
-    """Errors that a shop keeps to, the same for every surface; 0 leaves a kind out. Defaults: a commercial grade.
-
-    radius:    of the radius of curvature, as a part of it.        flatness: of curvatures near 0, 1/mm.
-    thickness: mm.      decenter: of a surface, along y, mm.       tilt: of a surface, about x, degrees.
-    index:     of all indices of a glass.                          abbe: of its Abbe number, as a part of it.
-    """
-
-    radius: float = 1e-3
-    flatness: float = 1e-6
-    thickness: float = 0.05
-    decenter: float = 0.02
-    tilt: float = 1 / 60
-    index: float = 5e-4
-    abbe: float = 5e-3
-
-    def __post_init__(self) -> None:
-        """DesignError for what is no error."""
-        for field in dataclasses.fields(self):
-            value = getattr(self, field.name)
-            if (
-                isinstance(value, bool)
-                or not isinstance(value, int | float)
-                or not (math.isfinite(value) and value >= 0)
-            ):
-                raise DesignError(f"tolerance {field.name} must be a number, 0 or more, got {value!r}")
-
-
-@dataclasses.dataclass(frozen=True)
-class Sensitivity:
-    """What an error of one number does.
-
-    name, unit, tolerance:  of the number.
-    focal_length, back_focal_length:  changes, mm, for an error of + the tolerance.
-    spots:  (F,), by how much the RMS spot of each field, all wavelengths together, becomes larger, mm, for the worse
-            sign of the error.
-    """
-
-    name: str
-    unit: str
-    tolerance: float
-    focal_length: float
-    back_focal_length: float
-    spots: np.ndarray
-
-    @property
-    def worst(self) -> float:
-        """Of the spots, mm."""
-        return float(np.max(self.spots))
-
-
-@dataclasses.dataclass(frozen=True)
-class Sensitivities:
-    """Of all numbers of a lens, what hurts most first.
-
-    rows:           one for each number.
-    focal_length, back_focal_length, spots: of the lens as designed; mm, spots (F,).
-    expected_focal_length, expected_back_focal_length: root of the sum of the squares of all changes, mm.
-    expected_spots: (F,), mm, RMS spots on average over lenses whose errors are independent, each of the size of its
-                    tolerance.
-    refocused:      the image distance is adjusted for each lens.
-    """
-
-    rows: tuple[Sensitivity, ...]
-    focal_length: float
-    back_focal_length: float
-    spots: np.ndarray
-    expected_focal_length: float
-    expected_back_focal_length: float
-    expected_spots: np.ndarray
-    refocused: bool
 
 
 def sensitivity(
@@ -126,7 +53,8 @@ def sensitivity(
     found = jax.device_get(
         _slopes(_Asked(whole, want, tuple(each.place for each in errors)), np.zeros(len(errors) + 1))
     )
-    return _summed(errors, found, refocus)
+    fields = tuple(field_text(lens, field) for field in range(len(lens.fields.y)))
+    return _summed(errors, found, refocus, fields)
 
 
 class _Error(NamedTuple):
@@ -230,7 +158,7 @@ def _slopes(asked: _Asked, zero: Any) -> _Slopes:
     )
 
 
-def _summed(errors: list[_Error], found: _Slopes, refocus: bool) -> Sensitivities:
+def _summed(errors: list[_Error], found: _Slopes, refocus: bool, fields: tuple[str, ...]) -> Sensitivities:
     # how far the image is moved for a unit of each error, and what the slopes then are
     total = np.sum(found.with_focus[:, -1])
     moved = -np.sum(found.with_focus, 0) / total if refocus and total > 0 else np.zeros(found.along.shape[1])
@@ -248,4 +176,4 @@ def _summed(errors: list[_Error], found: _Slopes, refocus: bool) -> Sensitivitie
     lengths = np.sqrt(found.lengths_by[:, :-1] ** 2 @ sizes**2)
     rows.sort(key=lambda row: -row.worst)
     (focal, back), (focal_error, back_error) = map(float, found.lengths), map(float, lengths)
-    return Sensitivities(tuple(rows), focal, back, rms, focal_error, back_error, np.sqrt(squares), refocus)
+    return Sensitivities(tuple(rows), focal, back, rms, focal_error, back_error, np.sqrt(squares), refocus, fields)
