@@ -35,7 +35,7 @@ def moving(primal: Any, tangent: Any) -> tuple[tuple[Any, ...], tuple[Any, ...],
     """The leaves of a pytree whose symbolic tangents are not zero, these tangents, and what puts other leaves there."""
     leaves, structure = jax.tree.flatten(primal)
     tangents = jax.tree.leaves(tangent)
-    which = [i for i, tangent in enumerate(tangents) if not _is_zero(tangent)]
+    which = [i for i, tangent in enumerate(tangents) if not is_zero(tangent)]
 
     def rebuilt(moved: Any) -> Any:
         return structure.unflatten([moved[which.index(i)] if i in which else leaf for i, leaf in enumerate(leaves)])
@@ -59,7 +59,7 @@ def _total(function: Callable[..., Any]) -> Callable[..., Any]:
                 return function(structure.unflatten(all), case, ray)
 
             value, pull = jax.vjp(values, [leaves[i] for i in which])
-            return value, [pull(unit)[0] for unit in _units(value)]
+            return value, [pull(unit)[0] for unit in units(value)]
 
         # one ray at a time, and the sum over the rays last: a sum at every surface would cost more than the trace
         return jax.tree.map(lambda a: jnp.where(counted, a, 0), jax.vmap(of_ray, out_axes=-1)(rays))
@@ -86,10 +86,10 @@ def _total(function: Callable[..., Any]) -> Callable[..., Any]:
 
     def rule(primals: Any, tangents: Any) -> Any:
         moved, *fixed = tangents
-        if not all(map(_is_zero, jax.tree.leaves(fixed))):
+        if not all(map(is_zero, jax.tree.leaves(fixed))):
             raise TypeError("a total is differentiated by its parameters: give there what the rays and cases depend on")
         tangents = jax.tree.leaves(moved)
-        which = tuple(i for i, tangent in enumerate(tangents) if not _is_zero(tangent))
+        which = tuple(i for i, tangent in enumerate(tangents) if not is_zero(tangent))
         value, slopes = _added(over_all(which, is_traced(primals)), *primals)
         leaves, structure = jax.tree.flatten(value)
         along = [tangents[i] for i in which]
@@ -99,7 +99,7 @@ def _total(function: Callable[..., Any]) -> Callable[..., Any]:
     return result
 
 
-def _units(value: Any) -> list[Any]:
+def units(value: Any) -> list[Any]:
     """Cotangents that pick one leaf each."""
     leaves, structure = jax.tree.flatten(value)
     return [
@@ -164,5 +164,6 @@ def _along(slopes: list[Any], moved: list[Any], values: list[jax.Array]) -> list
     return list(map(of_one, slopes, values))
 
 
-def _is_zero(tangent: Any) -> bool:
+def is_zero(tangent: Any) -> bool:
+    """True for a symbolic tangent that is zero."""
     return isinstance(tangent, SymbolicZero) or tangent.dtype == jax.dtypes.float0

@@ -57,4 +57,10 @@ class Custom(Scalar):
     def values(self, view: View) -> jax.Array:
         """Flat."""
         assert self.function is not None
-        return jnp.ravel(jnp.asarray(self.function(view.lens), float))
+        try:
+            return jnp.ravel(jnp.asarray(self.function(view.lens), float))
+        except jax.errors.ConcretizationTypeError:
+            raise DesignError(
+                f"Custom {self.label!r}: the function looks at numbers of the lens (with if, float, numpy), and JAX traces "
+                "them; write it with jax.numpy"
+            ) from None

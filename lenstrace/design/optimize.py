@@ -132,7 +132,11 @@ def begun(problem: Problem, checked: bool = True) -> Ready:
 
     checked: whether all that is wanted must exist at the start; flat plates have no focal length, but lead to some."""
     start = start_of(problem)
-    Merit(start.posed).begin(start.numbers)
+    try:
+        Merit(start.posed).begin(start.numbers)
+    except Exception:
+        check(start)  # says more clearly what there is not
+        raise
     # while it is compiled
     if checked:
         check(start)

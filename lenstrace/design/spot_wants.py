@@ -8,15 +8,17 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from lenstrace.analysis.arrivals import Asked, arrivals
-from lenstrace.analysis.spot_figures import place
 from lenstrace.compute.pytree import pytree, static
+from lenstrace.compute.slopes import sloped
 from lenstrace.design.pupil_wants import OverPupil, field_text
 from lenstrace.design.view import View
 from lenstrace.design.wants import Measured, Want, lost_residual
 from lenstrace.errors import DesignError
 from lenstrace.optics.vectors import root_or_zero
+from lenstrace.sequential.launch import Front, launch
 from lenstrace.sequential.lens import Lens
+from lenstrace.sequential.system import Light
+from lenstrace.sequential.trace import trace
 
 ABOUT = ("centroid", "chief")
 
@@ -98,7 +100,19 @@ class SpotRMS(OverPupil):
     def _arrived(self, view: View) -> tuple[jax.Array, jax.Array, jax.Array]:
         """x, y and failure of the rays, (W, F, 1 + N), the chief ray first."""
         assert self.points is not None
-        waves = np.array(self.waves)
-        light = jax.tree.map(lambda a: a[waves], view.system.light)
-        fields = view.system.fields[np.array(self.fields)]
-        return arrivals(Asked(view.front, light, place), fields, self.points.x, self.points.y)
+        # asked for here, or it would be known inside the loop alone
+        front, light = view.front, jax.tree.map(lambda a: a[np.array(self.waves)], view.system.light)
+        fields = jnp.asarray(view.system.fields)[np.array(self.fields)]
+        pupil = (jnp.append(0.0, each) for each in (self.points.x, self.points.y))
+        rays = jnp.broadcast_arrays(*(fields[:, i, None] for i in (0, 1)), *pupil)
+        flat = tuple(each.ravel() for each in rays)
+        (x, y), failure = jax.lax.map(lambda each: sloped(_places)((front, each), flat), light)
+        return tuple(each.reshape(-1, *rays[0].shape) for each in (x, y, failure))  # pyright: ignore[reportReturnType]
+
+
+def _places(lens: tuple[Front, Light], rays: tuple[jax.Array, ...]) -> tuple[tuple[jax.Array, jax.Array], jax.Array]:
+    """Where rays, given by their fields and points of the pupil, meet the image, mm; and how they failed."""
+    front, light = lens
+    field_x, field_y, pupil_x, pupil_y = rays
+    ray = trace(front.system.with_light(light), launch(front, light, (field_x, field_y), (pupil_x, pupil_y)))
+    return (ray.x, ray.y), ray.failure
