@@ -61,6 +61,6 @@ class Custom(Scalar):
             return jnp.ravel(jnp.asarray(self.function(view.lens), float))
         except jax.errors.ConcretizationTypeError:
             raise DesignError(
-                f"Custom {self.label!r}: the function looks at numbers of the lens (with if, float, numpy), and JAX traces "
-                "them; write it with jax.numpy"
+                f"Custom {self.label!r}: the function looks at numbers of the lens (with if, float, numpy), and JAX "
+                "traces them; write it with jax.numpy"
             ) from None

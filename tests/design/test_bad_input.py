@@ -86,7 +86,7 @@ MISTAKES: list[tuple[Callable[[Lens], Any], str]] = [
     (lambda lens: _start(lens, CURVED, [RayHeight(1.0, field=95.0, pupil=(0.0,))]), "RayHeight: "),
     (lambda lens: _start(lens, CURVED, [EdgeThickness(min=1.0, surfaces=[])]), "EdgeThickness: there is no gap"),
     (lambda lens: _start(lens, CURVED, [Custom(function=3)]), "Custom: function must take a lens"),  # type: ignore[arg-type]
-    (lambda lens: _start(lens, CURVED, [Custom(function=lambda each: float(each[1].radius))]), "JAX traces them"),
+    (lambda lens: _start(lens, CURVED, [Custom(function=lambda each: float(each[1].radius))]), "JAX traces"),
     (
         lambda lens: _start(lens, CURVED, [Custom(function=lambda _: float("nan"))]),
         "the function gives nan at the start",
