@@ -93,6 +93,7 @@ if TYPE_CHECKING:
     from lenstrace.plotting.focus import plot_focus_spots, plot_through_focus
     from lenstrace.plotting.layout import plot_layout
     from lenstrace.plotting.mtf import plot_mtf, plot_mtf_field, plot_mtf_through_focus
+    from lenstrace.plotting.optimize import plot_optimize
     from lenstrace.plotting.psf import plot_encircled, plot_psf
     from lenstrace.plotting.rays import plot_rays
     from lenstrace.plotting.sliders import explore
@@ -193,6 +194,7 @@ __all__ = [
     "plot_mtf",
     "plot_mtf_field",
     "plot_mtf_through_focus",
+    "plot_optimize",
     "plot_psf",
     "plot_rays",
     "plot_seidel",
@@ -278,6 +280,7 @@ _IMPORTED_WHEN_USED = {
     "plot_mtf": "lenstrace.plotting.mtf",
     "plot_mtf_field": "lenstrace.plotting.mtf",
     "plot_mtf_through_focus": "lenstrace.plotting.mtf",
+    "plot_optimize": "lenstrace.plotting.optimize",
     "plot_psf": "lenstrace.plotting.psf",
     "plot_rays": "lenstrace.plotting.rays",
     "plot_seidel": "lenstrace.plotting.aberrations",

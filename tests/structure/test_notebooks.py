@@ -9,7 +9,17 @@ import pytest
 NOTEBOOKS = sorted((Path(__file__).parents[2] / "notebooks").glob("*.ipynb"))
 TIMEOUT_S = 300
 # Beside the standard library's.
-ALLOWED_IMPORTS = {"dataclasses", "jax", "jax.numpy", "lenstrace", "matplotlib.pyplot", "numpy", "pathlib", "tempfile"}
+ALLOWED_IMPORTS = {
+    "dataclasses",
+    "jax",
+    "jax.numpy",
+    "lenstrace",
+    "lenstrace.design",
+    "matplotlib.pyplot",
+    "numpy",
+    "pathlib",
+    "tempfile",
+}
 
 every_notebook = pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 
@@ -25,6 +35,9 @@ def test_there_are_notebooks() -> None:
         "bending_at_a_surface",
         "one_law_for_thin_things",
         "straight_lines",
+        "bending_a_singlet",
+        "a_cooke_triplet_from_three_flat_plates",
+        "what_limits_this_lens",
     }
     assert named <= {path.stem for path in NOTEBOOKS}
 
