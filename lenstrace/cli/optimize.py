@@ -49,6 +49,8 @@ def run(arguments: argparse.Namespace) -> None:
     else:
         with progress("searches") as count:
             minima = optimize_from(problem, arguments.starts, seconds=arguments.seconds, progress=count)
+        if not minima.lenses and minima.interrupted:
+            raise KeyboardInterrupt
         if not minima.lenses:
             raise DesignError("none of the searches came to a lens; give more starts, more seconds, or other bounds")
         found = minima[0]
@@ -65,7 +67,7 @@ def run(arguments: argparse.Namespace) -> None:
         _print(found, problem.lens.name or arguments.design)
         for written in filter(None, (arguments.output, arguments.plot)):
             print(f"wrote {written}")
-    if found.interrupted:
+    if found.interrupted or (minima is not None and minima.interrupted):
         raise KeyboardInterrupt  # what was found by then has been printed and written
 
 
@@ -90,6 +92,7 @@ def outcome_keys(found: Optimized) -> dict[str, Any]:
         "improved": found.improved,
         "arrived": found.arrived,
         "message": found.message,
+        "lost_rays": found.lost,
         "seconds": found.seconds,
         "compile_seconds": found.compile_seconds,
         "steps": found.steps,
@@ -126,14 +129,8 @@ def minima_keys(minima: Minima) -> dict[str, Any]:
 
 
 def _print_minima(minima: Minima) -> None:
-    rows = [
-        [str(i), f"{each.merit_after:.7e}", number_text(sum(row.thickness for row in each.lens))]
-        for i, each in enumerate(minima, 1)
-    ]
     ended = f"{minima.ended} of {minima.starts} searches ended, in {minima.seconds:.1f} s"
-    print_table(
-        f"{ended}; of the ends that were refined {minima.distinct} are distinct", ["", "merit", "total track, mm"], rows
-    )
+    print(f"{ended}; of the ends that were refined {minima.distinct} are distinct\n\n{minima.table()}\n")
 
 
 def _print(found: Optimized, name: str) -> None:

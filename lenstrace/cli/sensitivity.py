@@ -16,7 +16,7 @@ def add_parser(commands: Any) -> None:
     """Register the command."""
     parser = commands.add_parser("sensitivity", help="what errors of radii, gaps, tilts and glasses do to the results")
     add_common(parser)
-    units = {"radius": "a part", "flatness": "1/mm", "tilt": "degrees", "index": "1", "abbe": "a part"}
+    units = {"radius": "a part", "tilt": "degrees", "index": "1", "abbe": "a part"}
     for field in dataclasses.fields(Tolerances):
         said = f"error of it, {units.get(field.name, 'mm')} ({field.default:.3g})"
         parser.add_argument(f"--{field.name}", type=float, metavar="T", default=field.default, help=said)

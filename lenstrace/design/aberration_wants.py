@@ -47,10 +47,16 @@ class SeidelSum(OfAberration):
         _ = lens
         return [f"Seidel sum, {self.name.replace('_', ' ')}"]
 
-    def check(self, lens: Lens) -> None:
-        """DesignError for an unknown sum, or where there are none."""
+    def posed(self, lens: Lens, mirrored: bool) -> Want:
+        """DesignError for an unknown sum."""
         if self.name not in SUMS:
             raise DesignError(f"SeidelSum: name must be one of {', '.join(SUMS)}, got {self.name!r}")
+        return super().posed(lens, mirrored)
+
+    def check(self, lens: Lens) -> None:
+        """DesignError where there are no Seidel sums, or no colour."""
+        if self.name.endswith("colour"):
+            _check_colours(lens)
         _check_seidel(self, lens)
 
     def values(self, view: View) -> jax.Array:

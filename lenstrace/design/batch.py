@@ -62,11 +62,11 @@ class Minimum(NamedTuple):
 
 def search_many(
     start: Start, starts: np.ndarray, seconds: float | None, progress: Callable[[int, int], None] | None
-) -> list[Minimum]:
+) -> tuple[list[Minimum], bool]:
     """Minima near to each of many starts (N, P), in the order in which they were found.
 
     seconds:  after so many no more are sought.
-    progress: called with how many have ended, and N. Ctrl-C gives those found so far.
+    progress: called with how many have ended, and N. Ctrl-C gives those found so far, and True.
     """
     fixed, packing = packed(start.posed)
     advanced, asked = _advanced(packing), (fixed, start.low, start.high)
@@ -103,7 +103,7 @@ def search_many(
                 each.result()
         except KeyboardInterrupt:
             stopped.set()
-    return found
+    return found, stopped.is_set()
 
 
 @functools.lru_cache(maxsize=KEPT)

@@ -44,9 +44,15 @@ class Custom(Scalar):
     def check(self, lens: Lens) -> None:
         """DesignError where what it gives are no finite numbers."""
         assert self.function is not None
-        found = np.asarray(self.function(lens), float)
-        if not np.all(np.isfinite(found)) or not found.size:
-            raise DesignError(f"Custom {self.label!r}: the function gives {found} at the start; it must be finite")
+        try:
+            found = np.asarray(self.function(lens))
+        except Exception as error:
+            why = f"{type(error).__name__}: {str(error).splitlines()[0] if str(error) else 'no word'}"
+            raise DesignError(f"Custom {self.label!r}: the function fails at the start: {why}") from None
+        if found.dtype.kind not in "fiu" or not np.all(np.isfinite(found)) or not found.size:
+            raise DesignError(
+                f"Custom {self.label!r}: the function gives {found} at the start; it must be finite numbers"
+            )
 
     def names(self, lens: Lens) -> list[str]:
         """The label, numbered where there are several."""

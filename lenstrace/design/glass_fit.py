@@ -12,7 +12,7 @@ from lenstrace.design.outcome import Optimized, aligned
 from lenstrace.design.places import Place, prepared, read
 from lenstrace.design.problem import Problem
 from lenstrace.design.variables import places_of
-from lenstrace.errors import DesignError, LensTraceError
+from lenstrace.errors import DesignError, MediumError
 from lenstrace.optics.glasses import glass_map
 from lenstrace.sequential.lens import Lens
 
@@ -88,12 +88,17 @@ def fit_glasses(
     """
     if isinstance(candidates, bool) or not isinstance(candidates, int) or candidates < 1:
         raise DesignError(f"candidates must be a whole number, 1 or more, got {candidates!r}")
+    catalog = catalog.upper()
     known = glass_map(catalog)
     surfaces = sorted(
         {place.surface for each in problem.vary if each.kind in GLASS for place in places_of(problem.lens, each)}
     )
     if not surfaces:
         raise DesignError("fit_glasses: no glass varies; name some, such as Index('glass'), Abbe('glass')")
+    if all(each.kind in GLASS for each in problem.vary):
+        raise DesignError(
+            "fit_glasses: nothing but glasses varies, and each swap is to be refined; name a curvature too"
+        )
     model = found = optimize(problem)
     swaps = list[Swap]()
     for surface in surfaces:
@@ -104,9 +109,10 @@ def fit_glasses(
         for name, _, _ in near:
             try:
                 real = lens.replace(surface=surface, glass=f"{catalog}:{name}")
-                tried.append((f"{catalog}:{name}", optimize(_without(problem, real, surface))))
-            except LensTraceError:
+                _ = real.system
+            except MediumError:
                 continue  # not known at a wavelength of the lens
+            tried.append((f"{catalog}:{name}", optimize(_without(problem, real, surface))))
             if progress is not None:
                 progress(len(swaps) * candidates + len(tried), len(surfaces) * candidates)
             if len(tried) == candidates:

@@ -20,12 +20,13 @@ class Terms(NamedTuple):
     """The terms of all wants, one after the other.
 
     value:    (T,), each in its unit.     merit: (T,), what it adds to the merit.
-    failure:  of each want, see `Measured`.
+    failure:  of each want, see `Measured`.                lost: how many rays are lost that count.
     """
 
     value: jax.Array
     merit: jax.Array
     failure: tuple[jax.Array | None, ...]
+    lost: jax.Array
 
 
 class Evaluation(NamedTuple):
@@ -94,6 +95,7 @@ def residuals(packing: Packing, fixed: Any, numbers: Any) -> tuple[jax.Array, Te
         jnp.concatenate([measured.value for _, measured in found]),
         jnp.concatenate([jnp.sum(each * each, -1) for each in weighted]),
         tuple(measured.failure for _, measured in found),
+        jnp.asarray(sum(measured.lost for _, measured in found), float),
     )
     return jnp.concatenate([each.ravel() for each in weighted]), terms
 

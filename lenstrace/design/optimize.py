@@ -14,6 +14,7 @@ from jax.typing import ArrayLike
 
 from lenstrace.design.batch import Minimum, search_many
 from lenstrace.design.merit import Merit, Terms
+from lenstrace.design.opening import opened
 from lenstrace.design.outcome import Change, Minima, Optimized, Term
 from lenstrace.design.problem import Problem, Start, check, start_of
 from lenstrace.design.search import BETTER, METHODS, Course, Step, search
@@ -70,12 +71,14 @@ def optimize(
         return optimize_from(problem, starts, seconds=seconds)
     if method not in METHODS:
         raise DesignError(f"method must be one of {', '.join(METHODS)}, got {method!r}")
-    if seconds is not None and not seconds > 0:
-        raise DesignError(f"seconds must be positive, got {seconds}")
+    _check(problem, seconds)
     began = time.perf_counter()
     ready = begun(problem)
     compiled_after = time.perf_counter() - began
-    course = search(ready.merit, ready.start, method, seconds, progress)
+    start = ready.start
+    if ready.before.lost > 0:
+        start = dataclasses.replace(start, numbers=opened(start, seconds))
+    course = search(ready.merit, start, method, seconds, progress)
     return outcome_of(problem.lens, ready, course, compiled_after)
 
 
@@ -99,24 +102,32 @@ def optimize_from(
 
     Ctrl-C gives what has been found so far.
     """
+    _check(problem, seconds)
     began = time.perf_counter()
     ready = begun(problem, checked=False)
     chosen = starts_of(ready.start, starts, seed)
     compiled_after = time.perf_counter() - began
-    found = search_many(ready.start, chosen, seconds, progress)
+    found, interrupted = search_many(ready.start, chosen, seconds, progress)
     refined: list[tuple[Minimum, Course]] = []
-    try:
-        for each in distinct(found, ready.start)[: REFINED * keep]:
-            course = search(ready.merit, dataclasses.replace(ready.start, numbers=each.numbers), METHODS[0], None, None)
-            refined.append((Minimum(course.numbers, course.steps[-1].best, each.start), course))
-            if progress is not None:
-                progress(len(found), len(chosen))
-    except KeyboardInterrupt:
-        pass
+    for each in distinct(found, ready.start)[: REFINED * keep]:
+        course = search(ready.merit, dataclasses.replace(ready.start, numbers=each.numbers), METHODS[0], None, None)
+        refined.append((Minimum(course.numbers, course.steps[-1].best, each.start), course))
+        interrupted = interrupted or course.interrupted
+        if interrupted:
+            break
     apart = distinct([minimum for minimum, _ in refined], ready.start)
     courses = {minimum.start: course for minimum, course in refined}
-    lenses = [outcome_of(problem.lens, ready, courses[each.start], compiled_after) for each in apart[:keep]]
-    return Minima(tuple(lenses), len(apart), len(found), len(chosen), time.perf_counter() - began)
+    lenses = [outcome_of(problem.lens, ready, courses[each.start], compiled_after, many=True) for each in apart[:keep]]
+    return Minima(tuple(lenses), len(apart), len(found), len(chosen), time.perf_counter() - began, interrupted)
+
+
+def _check(problem: Problem, seconds: float | None) -> None:
+    if not isinstance(problem, Problem):
+        raise DesignError(
+            f"a lenstrace.Problem is needed, got {type(problem).__name__}; say Problem(lens, vary=..., want=...)"
+        )
+    if seconds is not None and (not isinstance(seconds, int | float) or not seconds > 0):
+        raise DesignError(f"seconds must be positive, got {seconds!r}")
 
 
 class Ready(NamedTuple):
@@ -150,23 +161,31 @@ def begun(problem: Problem, checked: bool = True) -> Ready:
     return Ready(start, Merit(start.posed), _evaluated(start))
 
 
-def outcome_of(lens: Lens, ready: Ready, course: Course, compiled_after: float) -> Optimized:
-    """The outcome of a search."""
+def outcome_of(lens: Lens, ready: Ready, course: Course, compiled_after: float, many: bool = False) -> Optimized:
+    """The outcome of a search; many: it began elsewhere than at the lens, and may have ended at a worse one."""
     start, before = ready.start, ready.before
     after = jax.device_get(ready.merit.evaluated(course.numbers).terms)
     merits = float(before.merit.sum()), float(after.merit.sum())
     improved = merits[1] < merits[0] * (1 - BETTER)
-    found = start.posed.lens_of(course.numbers.tolist(), start.lens).astype(lens.precision) if improved else lens
+    numbers, found = course.numbers, lens
+    if improved or many:
+        # what was published of the start does not hold any more
+        found = dataclasses.replace(start.posed.lens_of(numbers.tolist(), start.lens), published=()).astype(
+            lens.precision
+        )
+    else:
+        numbers, after, merits = start.numbers, before, (merits[0], merits[0])
     return Optimized(
         lens=found,
         history=course.steps,
         terms=tuple(_terms(start, before, after)),
-        changes=tuple(_changes(start, course.numbers)),
+        changes=tuple(_changes(start, numbers)),
         merit_before=merits[0],
         merit_after=merits[1],
         improved=improved,
         arrived=course.arrived,
-        message=_message(improved, course),
+        lost=round(float(after.lost)),
+        message=_message(improved, course, many) + _lost(round(float(after.lost))),
         interrupted=course.interrupted,
         seconds=course.steps[-1].seconds,
         compile_seconds=compiled_after,
@@ -177,7 +196,13 @@ def _evaluated(start: Start) -> Terms:
     return jax.device_get(Merit(start.posed).evaluated(start.numbers).terms)
 
 
-def _message(improved: bool, course: Course) -> str:
+def _lost(rays: int) -> str:
+    return f", where {rays} of the rays {'are' if rays > 1 else 'is'} lost" if rays else ""
+
+
+def _message(improved: bool, course: Course, many: bool) -> str:
+    if many and not improved:
+        return "a minimum, no better than the start of the problem"
     if course.stopped:
         return f"stopped: {course.stopped}; {'the best lens so far' if improved else 'nothing better was found'}"
     return "a minimum" if improved else "not improved: the start is a minimum, or nothing that varies can help"

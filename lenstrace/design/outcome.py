@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Iterator
 
 from lenstrace.design.search import Step
@@ -51,6 +52,7 @@ class Optimized:
     improved: the merit has become less. A start that cannot be improved is reported as such: False.
     arrived:  the search came to a minimum, and did not stop before.
     message:  how it ended, in words.
+    lost:     rays that are lost there, of those that count.
     interrupted:  by Ctrl-C; the lens is the best so far.
     seconds:  that the search took; compile_seconds: that it waited for its programs before.
     """
@@ -64,6 +66,7 @@ class Optimized:
     improved: bool
     arrived: bool
     message: str
+    lost: int
     interrupted: bool
     seconds: float
     compile_seconds: float
@@ -93,7 +96,7 @@ class Minima:
 
     lenses:    the best distinct ones.      distinct: how many there were among the ends that were refined.
     ended:     searches that came to an end, of `starts`; fewer after Ctrl-C.
-    seconds:   for all of it, compilation too.
+    seconds:   for all of it, compilation too.      interrupted: by Ctrl-C.
     """
 
     lenses: tuple[Optimized, ...]
@@ -101,6 +104,19 @@ class Minima:
     ended: int
     starts: int
     seconds: float
+    interrupted: bool
+
+    def table(self) -> str:
+        """A line for each lens, as text."""
+        rows = [
+            (str(i), f"{each.merit_after:.6e}", f"{sum(float(row.thickness) for row in each.lens):.4f}", str(each.lost))
+            for i, each in enumerate(self.lenses, 1)
+        ]
+        return aligned([("", "merit", "total track, mm", "rays lost"), *rows], left=())
+
+    def __repr__(self) -> str:
+        ended = f"{self.ended} of {self.starts} searches, {self.distinct} distinct minima among those refined"
+        return f"{ended}\n{self.table()}"
 
     def __iter__(self) -> Iterator[Optimized]:
         return iter(self.lenses)
@@ -113,7 +129,7 @@ class Minima:
 
 
 def _number(value: float) -> str:
-    return f"{value:.6g}"
+    return f"{value:.6g}" if math.isfinite(value) else "lost" if math.isnan(value) else "infinity"
 
 
 def _part(value: float) -> str:

@@ -13,9 +13,9 @@ from lenstrace.analysis.conditions import with_pupil
 from lenstrace.analysis.symmetry import is_mirrored
 from lenstrace.compute.pytree import is_traced, pytree, static
 from lenstrace.design.places import Place, prepared, read, written
-from lenstrace.design.ties import Tie, check_ties, tied
-from lenstrace.design.variables import Variable, limits_of, places_of
-from lenstrace.design.wants import Want
+from lenstrace.design.ties import CurvatureSolve, Pickup, ThicknessSolve, Tie, check_ties, tied
+from lenstrace.design.variables import Variable, limits_by_default, limits_of, places_of
+from lenstrace.design.wants import Want, check_sizes
 from lenstrace.errors import DesignError
 from lenstrace.optics.made_media import Sampled
 from lenstrace.optics.media import AIR
@@ -23,6 +23,8 @@ from lenstrace.sequential.lens import Lens
 
 # Relative change of a tied number, when it is found again, that is rounding.
 TIED = 1e-7
+# A tied number beyond this is none: an image at infinity, but for rounding.
+FARTHEST = 1e12
 
 
 @dataclasses.dataclass(frozen=True)
@@ -62,6 +64,9 @@ class Problem:
         for each in self.want:
             if not isinstance(each, Want):
                 raise DesignError(f"want: {each!r} is no want; they are SpotRMS, FocalLength, TotalTrack, ...")
+        for each in self.tie:
+            if not isinstance(each, Pickup | CurvatureSolve | ThicknessSolve):
+                raise DesignError(f"tie: {each!r} is no tie; they are Pickup, CurvatureSolve, ThicknessSolve")
         _places(self)
 
 
@@ -104,7 +109,11 @@ def start_of(problem: Problem) -> Start:
     lens = tied(lens, ties)
     _check_ties_hold(lens, ties)
     numbers = np.array([float(read(lens, place)) for place in bounds])
-    low, high = np.array(list(bounds.values())).T
+    limits = [
+        given or limits_by_default(place, number, place.surface == len(lens))
+        for (place, given), number in zip(bounds.items(), numbers, strict=True)
+    ]
+    low, high = np.array(limits).T
     for place, number, least, most in zip(bounds, numbers, low, high, strict=True):
         if not least <= number <= most:
             unit = f" {place.unit}" if place.unit else ""
@@ -123,6 +132,7 @@ def check(start: Start) -> None:
     with_pupil(start.lens)
     for want in start.posed.wants:
         want.check(start.lens)
+        check_sizes(want, start.lens)
 
 
 def _sampled(lens: Lens) -> Lens:
@@ -143,7 +153,7 @@ def _check_ties_hold(lens: Lens, ties: tuple[Tie, ...]) -> None:
     again = tied(lens, ties)
     for tie in ties:
         once, twice = float(read(lens, tie.place)), float(read(again, tie.place))
-        if not np.isfinite(once):
+        if not abs(once) < FARTHEST:
             raise DesignError(f"{tie.place.label}: what ties it has no finite solution at the start")
         if abs(once - twice) > TIED * max(abs(once), abs(twice), TIED):
             raise DesignError(
@@ -152,15 +162,14 @@ def _check_ties_hold(lens: Lens, ties: tuple[Tie, ...]) -> None:
             )
 
 
-def _places(problem: Problem) -> dict[Place, tuple[float, float]]:
+def _places(problem: Problem) -> dict[Place, tuple[float, float] | None]:
     """Every number that may change, and its bounds. DesignError for one named twice, or tied."""
-    found: dict[Place, tuple[float, float]] = {}
+    found: dict[Place, tuple[float, float] | None] = {}
     for variable in problem.vary:
-        limits = limits_of(variable)
         for place in places_of(problem.lens, variable):
             if place in found:
                 raise DesignError(f"{place.label} is named twice; keep one of the variables")
-            found[place] = limits
+            found[place] = limits_of(variable)
     check_ties(problem.lens, tuple(problem.tie))
     for tie in problem.tie:
         if tie.place in found:

@@ -11,7 +11,7 @@ import numpy as np
 
 from lenstrace.analysis.spot_figures import loss_text
 from lenstrace.compute.pytree import pytree, static
-from lenstrace.design.wants import Want
+from lenstrace.design.wants import Want, checked_number
 from lenstrace.errors import DesignError, LostRaysError
 from lenstrace.optics.rays import RayStatus, split_failure, status_of
 from lenstrace.sequential.lens import Lens
@@ -23,7 +23,8 @@ class OverPupil(Want):
     """A want of the light of all fields and wavelengths, sampled over the pupil; a term for each of them.
 
     field_weights:       (F,), factors of the weight, 1 by default; what has weight 0 is not traced.
-    wavelength_weights:  (W,), as well.
+    wavelength_weights:  (W,), as well; by default the roots of the weights of the lens, so that a colour of weight w
+                         counts w times its squares.
     rings, pattern:      see `pupil_points`.
 
     Set by `posed`: fields, waves, the places of those that are traced; points, of the pupil, of a lens that is its own
@@ -43,13 +44,15 @@ class OverPupil(Want):
     halved: bool = static(default=False)
 
     def posed(self, lens: Lens, mirrored: bool) -> Want:
-        """With its rays."""
+        """With its rays, and the weights of the lens's wavelengths where it has none of its own."""
         super().posed(lens, mirrored)
         name = type(self).__name__
+        weights = self.wavelength_weights
+        if weights is None:
+            # a colour of weight w counts w times its squares
+            weights = np.sqrt(np.array(lens.wavelengths.weights, float))
         fields = _with_weight(name, "field_weights", self.field_weights, len(lens.fields.y), "fields")
-        waves = _with_weight(
-            name, "wavelength_weights", self.wavelength_weights, len(lens.wavelengths.um), "wavelengths"
-        )
+        waves = _with_weight(name, "wavelength_weights", weights, len(lens.wavelengths.um), "wavelengths")
         points = pupil_points(self.pattern, self.rings)
         half = half_points(points) if mirrored else None
         points = points if half is None else half
@@ -60,7 +63,7 @@ class OverPupil(Want):
             fields=tuple(fields),
             waves=tuple(waves),
             field_weights=_of(self.field_weights, fields),
-            wavelength_weights=_of(self.wavelength_weights, waves),
+            wavelength_weights=_of(weights, waves),
             halved=half is not None,
         )
 
@@ -72,9 +75,20 @@ class OverPupil(Want):
             raise LostRaysError(
                 f"{type(self).__name__}: all rays of the start are lost: {where}; begin with a lens that light passes"
             )
-        return dataclasses.replace(
-            self, counted=1.0 - (np.asarray(status_of(jnp.asarray(failure))) == RayStatus.CLIPPED)
-        )
+        clipped = np.asarray(status_of(jnp.asarray(failure))) == RayStatus.CLIPPED
+        if np.any(np.all(clipped, -1)):
+            _, field = np.argwhere(np.all(clipped, -1))[0]
+            raise LostRaysError(
+                f"{type(self).__name__}: apertures stop all rays of field {self.fields[field] + 1} at the start; open "
+                "them, or give the field weight 0"
+            )
+        return dataclasses.replace(self, counted=1.0 - clipped)
+
+    def lost(self, failure: jax.Array) -> jax.Array:
+        """How many rays that count are lost, of the whole pupil; failure: (W, F, N)."""
+        assert self.points is not None
+        rays = jnp.where(jnp.asarray(self.points.weight) > 1, 2.0, 1.0) if self.halved else 1.0
+        return jnp.sum(jnp.where((failure > 0) & (self.counted > 0), rays, 0.0))
 
     def share(self) -> jax.Array:
         """(W, F, N), of each spot's rays, of sum 1."""
@@ -101,8 +115,8 @@ def _with_weight(want: str, key: str, weights: Any, count: int, what: str) -> li
     """Places of weights above 0; all of them where none are given."""
     if weights is None:
         return list(range(count))
-    given = np.asarray(weights, float)
-    if given.shape != (count,) or not np.all(np.isfinite(given)) or np.any(given < 0) or not np.any(given > 0):
+    given = np.atleast_1d(checked_number(want, key, weights))
+    if given.shape != (count,) or np.any(given < 0) or not np.any(given > 0):
         raise DesignError(f"{want}: {key} must be {count} numbers, for all {what}, none below 0; got {weights}")
     return np.flatnonzero(given).tolist()
 

@@ -16,7 +16,7 @@ import numpy as np
 from lenstrace.analysis.rays import trace
 from lenstrace.compute.pytree import pytree, static
 from lenstrace.design.view import View
-from lenstrace.design.wants import Scalar, Want, lost_residual, or_nothing
+from lenstrace.design.wants import Measured, Scalar, Want, checked_number, lost_residual, or_nothing
 from lenstrace.errors import DesignError, LensTraceError
 from lenstrace.optics.rays import Ray
 from lenstrace.optics.vectors import dot, root_or_zero, rotate, rotate_back
@@ -50,15 +50,18 @@ class OfRays(Scalar):
         super().posed(lens, mirrored)
         name = type(self).__name__
         last = len(lens) + 1
+        if getattr(self, "axis", "y") not in ("x", "y"):
+            raise DesignError(f"{name}: axis must be x or y, got {self.axis!r}")  # pyright: ignore
+        if self.wavelength is not None and (
+            isinstance(self.wavelength, bool) or not isinstance(self.wavelength, int | float)
+        ):
+            raise DesignError(f"{name}: wavelength must be a number of micrometres, got {self.wavelength!r}")
         surface = last if self.surface is None else self.surface
         if isinstance(surface, bool) or not isinstance(surface, int | np.integer) or not 1 <= surface <= last:
             raise DesignError(f"{name}: surface must be a number from 1 to {last}, the image, got {self.surface!r}")
         field = self.field if isinstance(self.field, tuple) else (0.0, self.field)
         return dataclasses.replace(
-            self,
-            surface=int(surface),
-            field=tuple(np.asarray(each, float) for each in field),
-            pupil=tuple(np.asarray(each, float) for each in self.pupil),
+            self, surface=int(surface), field=_pair(name, "field", field), pupil=_pair(name, "pupil", self.pupil)
         )
 
     def check(self, lens: Lens) -> None:
@@ -83,16 +86,19 @@ class OfRays(Scalar):
         """What is measured."""
         raise NotImplementedError
 
-    def values(self, view: View) -> jax.Array:
-        """Of each ray; of a lost one its target, or limit, and what it counts besides."""
+    def measured(self, view: View) -> Measured:
+        """Of each ray; of a lost one no value, and what it counts."""
         assert self.surface is not None
         path = trace(view.lens, field=self.field, pupil=self.pupil, wavelength=self.wavelength, opl=False)
         path = jax.tree.map(lambda a: a.reshape(a.shape[0], -1), path)
-        failure, x, y = path.failure[self.surface], path.x[self.surface], path.y[self.surface]
-        aimed, sign = (self.target, 1.0) if self.target is not None else (self.max, 1.0)
-        aimed, sign = (self.min, -1.0) if aimed is None else (aimed, sign)
-        lost = aimed + sign * lost_residual(x, y, view.pupil_radius)
-        return jnp.where(failure == 0, self.figure(view, path, self.surface), lost)
+        arrives, x, y = path.failure[self.surface] == 0, path.x[self.surface], path.y[self.surface]
+        found = self.missed(self.figure(view, path, self.surface))
+        lost = lost_residual(x, y, view.pupil_radius)[:, None] * jnp.eye(1, found.residual.shape[1], dtype=x.dtype)
+        return Measured(
+            jnp.where(arrives, found.value, jnp.nan),
+            jnp.where(arrives[:, None], found.residual, lost),
+            lost=jnp.sum(jnp.where(arrives, 0.0, 1.0)),
+        )
 
 
 @pytree
@@ -130,6 +136,8 @@ class TransverseError(OfRays):
 
     def posed(self, lens: Lens, mirrored: bool) -> Want:
         """With the target 0 where nothing else is said."""
+        if self.surface not in (None, len(lens) + 1):
+            raise DesignError(f"TransverseError: it is an error on the image; leave out surface = {self.surface}")
         return super(TransverseError, or_nothing(self)).posed(lens, mirrored)
 
     def figure(self, view: View, path: Ray, surface: int) -> jax.Array:
@@ -180,3 +188,12 @@ class IncidenceAngle(OfRays):
         normal = surface_normal(view.system, surface, (path.x[surface], path.y[surface], path.z[surface]))
         x, y, z = (normal[i - 2] * direction[i - 1] - normal[i - 1] * direction[i - 2] for i in (0, 1, 2))
         return DEGREES * jnp.arctan2(root_or_zero(x * x + y * y + z * z), jnp.abs(dot(normal, direction)))
+
+
+def _pair(want: str, key: str, given: Any) -> tuple[np.ndarray, np.ndarray]:
+    """x and y, numbers or arrays that broadcast; else DesignError."""
+    try:
+        x, y = given
+    except (TypeError, ValueError):
+        raise DesignError(f"{want}: {key} must be a pair (x, y), got {given!r}") from None
+    return checked_number(want, key, x), checked_number(want, key, y)

@@ -163,10 +163,12 @@ def _lbfgs(record: _Record, start: Start) -> str:
         residual, jacobian = record.least_squares(before)
         length = np.linalg.norm(jacobian, axis=0)
         unit = 1 / np.where(length > 0, length, max(float(length.max()), 1.0))
+        # it stops where changes are small against 1
+        scale = float(residual @ residual) or 1.0
 
-        def scaled(x: np.ndarray, unit: np.ndarray = unit) -> tuple[float, np.ndarray]:
+        def scaled(x: np.ndarray, unit: np.ndarray = unit, scale: float = scale) -> tuple[float, np.ndarray]:
             value, slope = record.gradient(np.clip(x * unit, start.low, start.high))
-            return value, slope * unit
+            return value / scale, slope * unit / scale
 
         left = EVALUATIONS - len(record.steps)
         minimize(

@@ -15,13 +15,14 @@ from lenstrace.errors import DesignError
 class Tolerances:
     """Errors that a shop keeps to, the same for every surface; 0 leaves a kind out. Defaults: a commercial grade.
 
-    radius:    of the radius of curvature, as a part of it.        flatness: of curvatures near 0, 1/mm.
+    radius:    of the radius of curvature, as a part of it.        flatness: of surfaces so long in radius
+               that it counts more, as a sag at the edge of the light, mm.
     thickness: mm.      decenter: of a surface, along y, mm.       tilt: of a surface, about x, degrees.
     index:     of all indices of a glass.                          abbe: of its Abbe number, as a part of it.
     """
 
     radius: float = 1e-3
-    flatness: float = 1e-6
+    flatness: float = 5e-5
     thickness: float = 0.05
     decenter: float = 0.02
     tilt: float = 1 / 60

@@ -17,6 +17,7 @@ import numpy as np
 from lenstrace.analysis.conditions import conditions_of, with_pupil
 from lenstrace.compute.compiled import compiled
 from lenstrace.compute.pytree import pytree, static
+from lenstrace.design.geometry_wants import semi_diameters
 from lenstrace.design.places import Place, prepared, read, written
 from lenstrace.design.pupil_wants import field_text
 from lenstrace.design.sensitivities import Sensitivities, Sensitivity, Tolerances
@@ -50,9 +51,12 @@ def sensitivity(
     places = tuple(each.place for each in errors if each.place.kind not in ("index", "abbe"))
     whole = prepared(lens, (*places, _focus(lens)))
     want = SpotRMS(polychromatic=True, rings=rings).posed(whole, False)
-    found = jax.device_get(
-        _slopes(_Asked(whole, want, tuple(each.place for each in errors)), np.zeros(len(errors) + 1))
-    )
+    asked = _Asked(whole, want, tuple(each.place for each in errors))
+    found = jax.device_get(_slopes(asked, np.zeros(len(errors) + 1)))
+    if np.any(found.failure):
+        # what apertures stop in the lens as designed does not count
+        asked = dataclasses.replace(asked, want=want.counting(found.failure))
+        found = jax.device_get(_slopes(asked, np.zeros(len(errors) + 1)))
     fields = tuple(field_text(lens, field) for field in range(len(lens.fields.y)))
     return _summed(errors, found, refocus, fields)
 
@@ -85,18 +89,23 @@ class _Slopes(NamedTuple):
     along: Any
     slopes: Any
     with_focus: Any
+    failure: Any
 
 
 def _errors(lens: Lens, tolerances: Tolerances) -> list[_Error]:
     """Errors of all numbers that matter."""
     found = []
-    for surface, (row, bends) in enumerate(zip(lens, np.asarray(lens.system.bends), strict=True), 1):
+    bending, edges = np.asarray(lens.system.bends), np.asarray(_edges(lens))
+    for surface, (row, bends, edge) in enumerate(zip(lens, bending, edges, strict=True), 1):
         if bends:
             curvature = float(row.curvature)
-            size = max(abs(curvature) * tolerances.radius, tolerances.flatness)
-            flat = abs(curvature) * tolerances.radius < tolerances.flatness
-            name, unit = (f"curvature {surface}", "1/mm") if flat else (f"radius {surface}", "mm")
-            found.append(_Error(Place("curvature", surface), size, name, unit, size if flat else size / curvature**2))
+            curved, flat = abs(curvature) * tolerances.radius, 2 * tolerances.flatness / edge**2
+            place = Place("curvature", surface)
+            if curved > flat:
+                # a larger radius is less curvature, and a longer negative one too
+                found.append(_Error(place, -curved, f"radius {surface}", "mm", curved / curvature**2))
+            else:
+                found.append(_Error(place, flat, f"curvature {surface}", "1/mm", flat))
             for kind, part, unit in (("decenter", 1, "mm"), ("tilt", 0, "deg")):
                 place, size = Place(kind, surface, part), getattr(tolerances, kind)
                 found.append(_Error(place, size, place.label, unit, size))
@@ -108,11 +117,18 @@ def _errors(lens: Lens, tolerances: Tolerances) -> list[_Error]:
             found.append(_Error(Place("index", surface), *_said(tolerances.index, f"index {surface}", "")))
             if len(lens.wavelengths.um) > 1:
                 found.append(_Error(Place("abbe", surface), *_said(tolerances.abbe, f"Abbe number {surface}", "of it")))
-    return [error for error in found if error.size > 0]
+    return [error for error in found if error.size != 0]
 
 
 def _said(size: float, name: str, unit: str) -> tuple[float, str, str, float]:
     return size, name, unit, size
+
+
+@compiled
+def _edges(lens: Lens) -> jax.Array:
+    """(S,), mm, how far from the axis light meets each surface; at least a tenth of the pupil's radius."""
+    view = View(lens)
+    return jnp.maximum(semi_diameters(view), view.pupil_radius / 10)
 
 
 def _focus(lens: Lens) -> Place:
@@ -139,15 +155,16 @@ def _with_errors(lens: Lens, places: tuple[Place, ...], errors: jax.Array) -> Le
 def _slopes(asked: _Asked, zero: Any) -> _Slopes:
     places = (*asked.places, _focus(asked.lens))
 
-    def results(errors: jax.Array) -> tuple[jax.Array, jax.Array]:
+    def results(errors: jax.Array) -> tuple[tuple[jax.Array, jax.Array], Any]:
         view = View(_with_errors(asked.lens, places, errors))
-        first = view.first_order
-        return jnp.stack([first.focal_length, first.back_focal_length]), asked.want.measured(view).residual
+        first, spots = view.first_order, asked.want.measured(view)
+        return (jnp.stack([first.focal_length, first.back_focal_length]), spots.residual), spots.failure
 
     def along(direction: jax.Array) -> Any:
-        return jax.jvp(results, (zero,), (direction,))
+        return jax.jvp(results, (zero,), (direction,), has_aux=True)
 
-    (lengths, rays), (lengths_by, rays_by) = jax.vmap(along, out_axes=(None, -1))(jnp.eye(len(zero), dtype=zero.dtype))
+    unit = jnp.eye(len(zero), dtype=zero.dtype)
+    (lengths, rays), (lengths_by, rays_by), failure = jax.vmap(along, out_axes=(None, -1, None))(unit)
     return _Slopes(
         lengths,
         jnp.sum(rays * rays, -1),
@@ -155,6 +172,7 @@ def _slopes(asked: _Asked, zero: Any) -> _Slopes:
         jnp.einsum("fm,fmp->fp", rays, rays_by),
         jnp.einsum("fmp,fmp->fp", rays_by, rays_by),
         jnp.einsum("fm,fmp->fp", rays_by[..., -1], rays_by),
+        failure,
     )
 
 
@@ -167,7 +185,7 @@ def _summed(errors: list[_Error], found: _Slopes, refocus: bool, fields: tuple[s
     rms = np.sqrt(found.squares)
     rows = []
     for i, error in enumerate(errors):
-        linear, square = 2 * error.size * np.abs(along[:, i]), error.size**2 * np.maximum(slopes[:, i], 0)
+        linear, square = 2 * abs(error.size) * np.abs(along[:, i]), error.size**2 * np.maximum(slopes[:, i], 0)
         worse = np.sqrt(found.squares + linear + square) - rms
         focal, back = (float(a) * error.size for a in found.lengths_by[:, i])
         rows.append(Sensitivity(error.name, error.unit, error.said, focal, back, worse))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import ClassVar
 
 import jax
@@ -55,7 +56,12 @@ class SpotRMS(OverPupil):
         """DesignError for an unknown word; else see `OverPupil`."""
         if self.about not in ABOUT:
             raise DesignError(f"SpotRMS: about must be one of {', '.join(ABOUT)}, got {self.about!r}")
-        made = super().posed(lens, mirrored)
+        # together, colours have the weights of the lens anyway
+        alone = self.polychromatic and self.wavelength_weights is None
+        even = [float(weight > 0) for weight in lens.wavelengths.weights]
+        made = super(SpotRMS, dataclasses.replace(self, wavelength_weights=even) if alone else self).posed(
+            lens, mirrored
+        )
         assert isinstance(made, SpotRMS)
         if self.polychromatic and self.about == "chief" and lens.wavelengths.primary not in made.waves:
             raise DesignError("SpotRMS: about the primary chief ray, but the primary wavelength has weight 0")
@@ -94,8 +100,11 @@ class SpotRMS(OverPupil):
         root = jnp.sqrt(share)
         lost = lost_residual(jnp.where(arrives, 0, x), jnp.where(arrives, 0, y), view.pupil_radius)
         residual = jnp.concatenate([root * jnp.where(arrives, x, lost), root * jnp.where(arrives, y, 0)], -1)
-        value = root_or_zero(jnp.sum(residual**2, -1))
-        return Measured(value, factor.reshape(-1, 1) * residual, failures[..., 1:])
+        total = jnp.sum(living, -1)
+        square = jnp.sum(living * (x * x + y * y), -1) / jnp.where(total > 0, total, 1)
+        value = jnp.where(total > 0, root_or_zero(square), jnp.nan)
+        failures = failures[..., 1:]
+        return Measured(value, factor.reshape(-1, 1) * residual, failures, self.lost(failures))
 
     def _arrived(self, view: View) -> tuple[jax.Array, jax.Array, jax.Array]:
         """x, y and failure of the rays, (W, F, 1 + N), the chief ray first."""

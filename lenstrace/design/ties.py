@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, Literal
 
 import jax
+import numpy as np
 
 from lenstrace.analysis.conditions import with_pupil
 from lenstrace.compute.compiled import compiled
@@ -44,6 +45,8 @@ class Pickup:
             raise DesignError(f"pickup: what must be curvature, thickness or conic, got {self.what!r}")
         for surface in (self.surface, self.of):
             _check_surface(f"pickup of {self.what}", surface, len(lens))
+        for key in ("scale", "offset"):
+            _check_one("pickup", key, getattr(self, key))
         if self.surface == self.of:
             raise DesignError(f"pickup: {self.place.label} cannot follow itself; name another surface")
 
@@ -74,6 +77,7 @@ class CurvatureSolve:
         _check_surface("curvature solve", self.surface, len(lens))
         if (self.focal_length is None) == (self.f_number is None):
             raise DesignError("curvature solve: give focal_length or f_number, one of the two")
+        _check_one("curvature solve", "focal_length or f_number", self.focal_length or self.f_number)
         if self.f_number is not None and lens.aperture.kind != "entrance_pupil_diameter":
             raise DesignError("curvature solve: f_number needs an aperture given as entrance_pupil_diameter")
         if not lens.system.bends[self.surface - 1]:
@@ -114,6 +118,7 @@ class ThicknessSolve:
         _check_surface("thickness solve", self.surface, len(lens))
         if self.ray not in ("marginal", "chief"):
             raise DesignError(f"thickness solve: ray must be marginal or chief, got {self.ray!r}")
+        _check_one("thickness solve", "height", self.height)
         if self.surface < lens.stop and self.ray == "chief":
             raise DesignError(
                 f"thickness solve: before the stop, surface {lens.stop}, the chief ray follows from the gap"
@@ -165,6 +170,11 @@ def _applied(lens: Lens, ties: tuple[Tie, ...]) -> Lens:
 
 
 _compiled = compiled(_applied)
+
+
+def _check_one(what: str, key: str, value: Any) -> None:
+    if isinstance(value, bool) or not isinstance(value, int | float | np.number) or not np.isfinite(value):
+        raise DesignError(f"{what}: {key} must be one finite number, got {value!r}")
 
 
 def _check_surface(what: str, surface: int, count: int) -> None:

@@ -15,6 +15,9 @@ from lenstrace.optics.media import AIR
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.rules import number_of
 
+# Where glasses lie on the map of nd and vd.
+GLASSES = {"index": (1.3, 2.2), "abbe": (10.0, 110.0)}
+
 Surfaces = int | str | Sequence[int]
 Bounds = tuple[float | None, float | None]
 
@@ -48,8 +51,8 @@ class Curvature(Variable):
 
 @dataclasses.dataclass(frozen=True)
 class Thickness(Variable):
-    """Thicknesses, mm, each from its surface to the next; "all", or those of "glass" or "air"; "last" reaches to the
-    image."""
+    """Thicknesses, mm, each from its surface to the next; "all", or those of "glass" or "air", the last among them;
+    "last" alone reaches to the image. Without bounds a gap keeps its sign, but for the last."""
 
     kind = "thickness"
     words = ("all", "last", "glass", "air")
@@ -81,7 +84,7 @@ class Asphere(Variable):
 @dataclasses.dataclass(frozen=True)
 class Index(Variable):
     """The index at the d line of the media behind some surfaces. A catalogue's glass becomes a model glass (nd, vd),
-    see `AbbeModel`; a medium of one index keeps one."""
+    see `AbbeModel`, with nd from 1.3 to 2.2 where no bounds are given; a medium of one index keeps one."""
 
     kind = "index"
     words = ("all", "glass")
@@ -89,7 +92,7 @@ class Index(Variable):
 
 @dataclasses.dataclass(frozen=True)
 class Abbe(Variable):
-    """The Abbe number vd of model glasses behind some surfaces, as `Index`."""
+    """The Abbe number vd of model glasses behind some surfaces, as `Index`; from 10 to 110 without bounds."""
 
     kind = "abbe"
     words = ("all", "glass")
@@ -148,7 +151,7 @@ def surfaces_of(lens: Lens, what: str, surfaces: Surfaces, words: tuple[str, ...
             case _:
                 found = numbers[glass]
         return found.tolist()
-    given = [surfaces] if isinstance(surfaces, int | np.integer) else list(surfaces)
+    given = list(surfaces) if isinstance(surfaces, Sequence | np.ndarray) else [surfaces]
     if any(isinstance(each, bool) or not isinstance(each, int | np.integer) for each in given):
         raise DesignError(f"{what}: surfaces must be whole numbers, got {surfaces!r}")
     try:
@@ -157,10 +160,19 @@ def surfaces_of(lens: Lens, what: str, surfaces: Surfaces, words: tuple[str, ...
         raise DesignError(f"{what}: {error}") from None
 
 
-def limits_of(variable: Variable) -> tuple[float, float]:
-    """Least and most, infinite where there is none. DesignError for limits that leave nothing."""
+def limits_by_default(place: Place, number: float, last: bool) -> tuple[float, float]:
+    """Of a number without bounds: a gap keeps its sign, but for the last one, and a model glass stays among glasses."""
+    if place.kind == "thickness" and not last and number != 0:
+        return (0.0, math.inf) if number > 0 else (-math.inf, 0.0)
+    low, high = GLASSES.get(place.kind, (-math.inf, math.inf))
+    return (low, high) if low <= number <= high else (-math.inf, math.inf)
+
+
+def limits_of(variable: Variable) -> tuple[float, float] | None:
+    """Least and most, infinite where one of them is None; None without bounds. DesignError for limits that leave
+    nothing."""
     if variable.bounds is None:
-        return -math.inf, math.inf
+        return None
     try:
         low, high = variable.bounds
         low, high = -math.inf if low is None else float(low), math.inf if high is None else float(high)

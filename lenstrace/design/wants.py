@@ -10,12 +10,12 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from lenstrace.compute.pytree import is_traced, pytree
+from lenstrace.compute.pytree import pytree
 from lenstrace.design.view import View
 from lenstrace.errors import DesignError
 from lenstrace.sequential.lens import Lens
 
-Number = float | jax.Array
+AIMS = ("target", "min", "max")
 
 
 class Measured(NamedTuple):
@@ -24,11 +24,13 @@ class Measured(NamedTuple):
     value:     (T,), in the unit of the want: what a table says.
     residual:  (T, M), in the same unit, not weighted; the sum of the squares of a row is how far its term is missed.
     failure:   of rays that an aperture may stop, see `counting`; None of a want without such.
+    lost:      how many rays are lost that count.
     """
 
     value: jax.Array
     residual: jax.Array
     failure: jax.Array | None = None
+    lost: jax.Array | float = 0.0
 
 
 @pytree
@@ -89,19 +91,16 @@ class Scalar(Want):
     max: Any = None
 
     def values(self, view: View) -> jax.Array:
-        """(T,) or (); of a ray that is lost what `lost` makes of it."""
+        """(T,) or ()."""
         raise NotImplementedError
 
     def posed(self, lens: Lens, mirrored: bool) -> Want:
         """DesignError without target and limits, and for limits that contradict each other."""
         super().posed(lens, mirrored)
         name = type(self).__name__
-        given = {key: getattr(self, key) for key in ("target", "min", "max") if getattr(self, key) is not None}
+        given = {key: checked_number(name, key, getattr(self, key)) for key in AIMS if getattr(self, key) is not None}
         if not given:
             raise DesignError(f"{name}: nothing is wanted of it; give target, min or max")
-        for key, value in given.items():
-            if not is_traced(value) and not np.all(np.isfinite(np.asarray(value, float))):
-                raise DesignError(f"{name}: {key} must be a finite number, got {value}")
         low, high = (np.asarray(given.get(key, end), float) for key, end in (("min", -math.inf), ("max", math.inf)))
         if np.any(low > high):
             raise DesignError(f"{name}: min must not be above max, got min = {self.min} and max = {self.max}")
@@ -111,8 +110,11 @@ class Scalar(Want):
         return self
 
     def measured(self, view: View) -> Measured:
-        """One residual for the target, one for each limit."""
-        value = jnp.atleast_1d(self.values(view))
+        """The figures, and how far they miss what is wanted."""
+        return self.missed(jnp.atleast_1d(self.values(view)))
+
+    def missed(self, value: jax.Array) -> Measured:
+        """One residual for the target, one for each limit; value: (T,)."""
         parts = []
         if self.target is not None:
             parts.append(value - self.target)
@@ -141,18 +143,35 @@ def or_nothing(want: Wanted) -> Wanted:
 
 
 def lost_residual(x: jax.Array, y: jax.Array, length: jax.Array) -> jax.Array:
-    """What a lost ray counts: between one and two `length`, the more the farther its straight course passes the place
-    where it should arrive, at (x, y): finite, smooth, and its slope leads back.
+    """What a lost ray counts: one `length` L and more, the more the farther its straight course passes the place where
+    it should arrive, at (x, y): finite, smooth, and its slope leads back from afar.
 
-        L (1 + e^2 / (L^2 + e^2)),   e^2 = x^2 + y^2
+        L (1 + log(1 + e^2 / L^2)),   e^2 = x^2 + y^2
     """
-    square = x * x + y * y
-    return length * (1 + square / (length * length + square))
+    return length * (1 + jnp.log1p((x * x + y * y) / (length * length)))
+
+
+def check_sizes(want: Want, lens: Lens) -> None:
+    """DesignError for targets, limits and weights that are neither one number nor one for each term."""
+    count = len(want.names(lens))
+    for key in (*AIMS, "weight"):
+        value = getattr(want, key, None)
+        if value is not None and np.size(value) not in (1, count):
+            terms = f"one number, or {count}, one for each of its terms" if count > 1 else "one number"
+            raise DesignError(f"{type(want).__name__}: {key} must be {terms}; got {value}")
+
+
+def checked_number(what: str, key: str, value: Any) -> np.ndarray:
+    """Finite numbers, of any shape; else DesignError."""
+    array = np.asarray(value)
+    if array.dtype.kind not in "fiu" or not np.all(np.isfinite(array)):
+        raise DesignError(f"{what}: {key} must be a finite number, got {value!r}")
+    return array.astype(float)
 
 
 def _check_weight(want: Want) -> None:
-    weight = np.asarray(want.weight, float)
-    if not np.all(np.isfinite(weight)) or np.any(weight < 0) or not np.any(weight > 0):
+    weight = checked_number(type(want).__name__, "weight", want.weight)
+    if np.any(weight < 0) or not np.any(weight > 0):
         raise DesignError(
             f"{type(want).__name__}: weight must be positive, got {want.weight}; leave out what is not wanted"
         )

@@ -65,9 +65,12 @@ class WavefrontRMS(OverPupil):
         factor = jnp.ones((len(self.fields), len(self.waves)))
         factor = factor if self.field_weights is None else factor * jnp.asarray(self.field_weights)[:, None]
         factor = factor if self.wavelength_weights is None else factor * self.wavelength_weights
-        value = root_or_zero(jnp.sum(residual**2, -1)).ravel()
+        total = total[..., 0]
+        square = jnp.sum(living * opd * opd, -1) / jnp.where(total > 0, total, 1)
+        value = jnp.where(total > 0, root_or_zero(square), jnp.nan).ravel()
         weighted = (factor[..., None] * residual).reshape(len(value), -1)
-        return Measured(value, weighted, jnp.swapaxes(failure, 0, 1))
+        failures = jnp.swapaxes(failure, 0, 1)
+        return Measured(value, weighted, failures, self.lost(failures))
 
     def _arrived(self, view: View) -> tuple[jax.Array, ...]:
         """Path difference, failure, x and y of the rays, (F, W, N)."""

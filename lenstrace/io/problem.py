@@ -49,7 +49,9 @@ def load_problem(path: str | os.PathLike[str]) -> Problem:
     def made(text: str) -> Problem:
         keys = keys_in(text)
         lens = lens_from_keys(keys)
-        if not isinstance(keys.get("optimize"), Mapping):
+        if "optimize" in keys and not isinstance(keys["optimize"], Mapping):
+            raise DesignError("optimize must be one section, [optimize]")
+        if "optimize" not in keys:
             raise DesignError("the file has no section [optimize]; write one, with vary = [...] and want = [...]")
         if keys.get("units", "mm") != "mm":
             raise DesignError(

@@ -29,6 +29,7 @@ from lenstrace.design import (
     Tilt,
     Tolerances,
     TotalTrack,
+    TransverseError,
     WavefrontRMS,
     fit_glasses,
     optimize_from,
@@ -70,6 +71,25 @@ MISTAKES: list[tuple[Callable[[Lens], Any], str]] = [
         lambda lens: _start(lens, CURVED, [FocalLength()]),
         "FocalLength: nothing is wanted of it; give target, min or max",
     ),
+    (lambda lens: _start(lens, CURVED, [FocalLength("50")]), "FocalLength: target must be a finite number, got '50'"),
+    (lambda lens: _start(lens, CURVED, [FocalLength([50, 51])]), "FocalLength: target must be one number; got"),
+    (lambda lens: _start(lens, CURVED, [SpotRMS(weight=[1, 2, 3])]), "SpotRMS: weight must be one number, or 9"),
+    (lambda lens: _start(lens, CURVED, [RayHeight(1.0, axis="z")]), "RayHeight: axis must be x or y, got 'z'"),  # type: ignore[arg-type]
+    (lambda lens: _start(lens, CURVED, [RayHeight(1.0, pupil=1.0)]), "RayHeight: pupil must be a pair"),
+    (lambda lens: _start(lens, CURVED, [RayHeight(1.0, wavelength="d")]), "wavelength must be a number of micrometres"),  # type: ignore[arg-type]
+    (lambda lens: _start(lens, CURVED, [TransverseError(surface=3)]), "it is an error on the image"),
+    (lambda lens: Problem(lens, [Curvature(1.5)], SPOT), "curvature: surfaces must be whole numbers, got 1.5"),  # type: ignore[arg-type]
+    (lambda lens: Problem(lens, CURVED, SPOT, SPOT), "is no tie; they are Pickup"),  # type: ignore[arg-type]
+    (
+        lambda lens: Problem(lens, CURVED, SPOT, [Pickup("curvature", 3, of=4, scale="a")]),
+        "scale must be one finite number",
+    ),
+    (lambda lens: lenstrace.optimize(lens), "a lenstrace.Problem is needed, got Lens"),  # type: ignore[call-overload]
+    (
+        lambda lens: _start(lens.replace(surface=4, aperture={"circle": 1e-9}), CURVED, SPOT),
+        "SpotRMS: apertures stop all rays of field",
+    ),
+    (lambda lens: fit_glasses(Problem(lens, [Abbe(1)], SPOT)), "nothing but glasses varies"),
     (lambda lens: _start(lens, CURVED, [FocalLength(min=60, max=50)]), "FocalLength: min must not be above max"),
     (lambda lens: _start(lens, CURVED, [FocalLength(40, min=50)]), "the target 40 lies outside min = 50"),
     (
@@ -111,7 +131,10 @@ MISTAKES: list[tuple[Callable[[Lens], Any], str]] = [
     (lambda lens: optimize_from(Problem(lens, CURVED, SPOT), 0), "starts must be at least 1"),
     (lambda lens: optimize_from(Problem(lens, CURVED, SPOT), [[1.0]]), "an array of 2 finite numbers for each start"),
     (lambda lens: fit_glasses(Problem(lens, CURVED, SPOT)), "no glass varies"),
-    (lambda lens: fit_glasses(Problem(lens, [Abbe(1)], SPOT), "NOBODY"), "glass catalogue 'NOBODY' is not known"),
+    (
+        lambda lens: fit_glasses(Problem(lens, [Abbe(1), *CURVED], SPOT), "NOBODY"),
+        "glass catalogue 'NOBODY' is not known",
+    ),
     (lambda lens: sensitivity(lens, Tolerances(tilt=-1.0)), "tolerance tilt must be a number, 0 or more"),
     (lambda lens: sensitivity(lens.replace(curvature=[0.0] * 6)), "sensitivity: the lens is afocal"),
 ]

@@ -11,6 +11,8 @@ TIMEOUT_S = 300
 # Beside the standard library's.
 ALLOWED_IMPORTS = {
     "dataclasses",
+    "importlib.util",
+    "ipywidgets",
     "jax",
     "jax.numpy",
     "lenstrace",
