@@ -91,7 +91,8 @@ def optimize_from(
     seconds: float | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Minima:
-    """Search from many starts at once, and keep the best distinct minima.
+    """Search from many starts at once, and keep the best distinct minima; those where rays are lost only if there are
+    no others.
 
     starts:    how many: random ones, within the bounds of the variables where they have them (see `starts.ranges_of`),
                the first that of the problem. Or their numbers, (N, P), in the order of the variables.
@@ -117,8 +118,10 @@ def optimize_from(
             break
     apart = distinct([minimum for minimum, _ in refined], ready.start)
     courses = {minimum.start: course for minimum, course in refined}
-    lenses = [outcome_of(problem.lens, ready, courses[each.start], compiled_after, many=True) for each in apart[:keep]]
-    return Minima(tuple(lenses), len(apart), len(found), len(chosen), time.perf_counter() - began, interrupted)
+    ends = [outcome_of(problem.lens, ready, courses[each.start], compiled_after, many=True) for each in apart]
+    lenses = [end for end in ends if not end.lost] or ends
+    seconds = time.perf_counter() - began
+    return Minima(tuple(lenses[:keep]), len(lenses), len(found), len(chosen), seconds, interrupted)
 
 
 def _check(problem: Problem, seconds: float | None) -> None:

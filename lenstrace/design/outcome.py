@@ -94,7 +94,8 @@ class Optimized:
 class Minima:
     """Lenses that searches from many starts came to, best first.
 
-    lenses:    the best distinct ones.      distinct: how many there were among the ends that were refined.
+    lenses:    the best distinct ones.      distinct: how many there were among the ends that were refined,
+               without those that lose rays.
     ended:     searches that came to an end, of `starts`; fewer after Ctrl-C.
     seconds:   for all of it, compilation too.      interrupted: by Ctrl-C.
     """
