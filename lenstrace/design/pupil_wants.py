@@ -75,7 +75,7 @@ class OverPupil(Want):
             raise LostRaysError(
                 f"{type(self).__name__}: all rays of the start are lost: {where}; begin with a lens that light passes"
             )
-        clipped = np.asarray(status_of(jnp.asarray(failure))) == RayStatus.CLIPPED
+        clipped = status_of(failure) == RayStatus.CLIPPED
         if np.any(np.all(clipped, -1)):
             _, field = np.argwhere(np.all(clipped, -1))[0]
             raise LostRaysError(

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import enum
+from typing import TypeVar
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 from lenstrace.compute.pytree import pytree
 
@@ -32,6 +34,8 @@ _TEXT = {
     RayStatus.TIR: "total internal reflection",
     RayStatus.NOT_CONVERGED: "not converged",
 }
+
+Integers = TypeVar("Integers", jax.Array, np.ndarray)
 
 _REASONS = 8  # failure = surface * _REASONS + reason, one integer a ray
 
@@ -82,7 +86,7 @@ def failure_code(surface: jax.Array | int, status: jax.Array | RayStatus) -> jax
     return surface * _REASONS + status
 
 
-def status_of(failure: jax.Array) -> jax.Array:
+def status_of(failure: Integers) -> Integers:
     """`RayStatus` of rays, as integers; failure: see `Ray`."""
     return failure % _REASONS
 
