@@ -34,35 +34,36 @@ ALIGNMENT = 64  # bytes: memory that begins at a multiple of it becomes a JAX ar
 RayFunction = Callable[[Any, Any], Any]
 
 
-def each(function: RayFunction, parameters: Any, rays: Any) -> Any:
+def each(function: RayFunction, parameters: Any, rays: Any, chunk: int | None = None) -> Any:
     """function(parameters, rays), block by block.
 
-    function:    one of a module: it is compiled once for every structure of its arguments (and, below 2 CHUNK, number
-                 of rays). It maps numbers, and arrays of rays, to arrays of rays, every ray by itself.
+    function:    one of a module: it is compiled once for every structure of its arguments (and, below two chunks,
+                 number of rays). It maps numbers, and arrays of rays, to arrays of rays, every ray by itself.
     parameters:  any pytree.
     rays:        a pytree of arrays of one shape, not empty; `function` sees them as (N,), N at most all.
+    chunk:       rays in the share of a thread, CHUNK where nothing is said; fewer where the function takes long for each.
     Returns a pytree of arrays whose last axes are the shape of the rays. The derivatives are those of `function`.
     """
-    run = _each(function, is_traced((parameters, rays)))
-    if not is_shared(parameters, rays):
+    run, chunk = _each(function, is_traced((parameters, rays))), chunk or CHUNK
+    if not is_shared(parameters, rays, chunk):
         return run(parameters, rays)
     shape = np.shape(jax.tree.leaves(rays)[0])
     rays = jax.tree.map(lambda a: np.asarray(a).reshape(-1), rays)
     count = ray_count(rays)
-    shapes = _result_shapes(function, parameters, cut(rays, 0, CHUNK))
+    shapes = _result_shapes(function, parameters, cut(rays, 0, chunk))
     results = jax.tree.map(lambda s: _aligned((*s.shape[:-1], count), s.dtype), shapes)
-    fill, chunks = _fill(function), iter(range(0, count, CHUNK))
+    fill, chunks = _fill(function), iter(range(0, count, chunk))
 
     def share(_: int) -> None:
         # all results of a thread come to the same memory: it stays warm, and is neither cleared nor given back
         values = jax.tree.map(lambda s: jnp.zeros(s.shape, s.dtype), shapes)
         for first in chunks:
             # the last chunk begins earlier, so that it is full, and writes only what is new
-            start = min(first, count - CHUNK)
-            values = jax.block_until_ready(fill(parameters, cut(rays, start, CHUNK), values))
+            start = min(first, count - chunk)
+            values = jax.block_until_ready(fill(parameters, cut(rays, start, chunk), values))
             for whole, part in zip(jax.tree.leaves(results), jax.tree.leaves(values), strict=True):
                 # a view that JAX does not keep, or the memory could not be used again
-                whole[..., first : start + CHUNK] = np.from_dlpack(part)[..., first - start :]
+                whole[..., first : start + chunk] = np.from_dlpack(part)[..., first - start :]
 
     list(threads().map(with_precision(share), range(os.cpu_count() or 1)))
     return jax.tree.map(lambda a: jnp.from_dlpack(a.reshape(*a.shape[:-1], *shape)), results)
@@ -158,9 +159,9 @@ def _fill_blocks(function: RayFunction, size: int, parameters: Any, rays_and_res
     return lax.fori_loop(0, -(-count // size), step, results)
 
 
-def is_shared(parameters: Any, rays: Any) -> bool:
+def is_shared(parameters: Any, rays: Any, chunk: int | None = None) -> bool:
     """True where threads are opened: for many rays, none of them traced by JAX, on a CPU."""
-    return not is_traced((parameters, rays)) and ray_count(rays) >= 2 * CHUNK and _on_cpu()
+    return not is_traced((parameters, rays)) and ray_count(rays) >= 2 * (chunk or CHUNK) and _on_cpu()
 
 
 def ray_count(rays: Any) -> int:

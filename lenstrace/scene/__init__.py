@@ -1,0 +1,1 @@
+"""The scene tracer: whatever is hit first, and pictures of it."""

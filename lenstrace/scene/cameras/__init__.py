@@ -1,0 +1,1 @@
+"""Cameras: which rays belong to a place in the picture."""

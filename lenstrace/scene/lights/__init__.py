@@ -1,0 +1,1 @@
+"""Lights: how each lights a point of the scene."""

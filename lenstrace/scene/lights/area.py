@@ -1,0 +1,51 @@
+"""Lights of a shape: every point of it shines alike in all directions, on the side of its normal."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+
+from lenstrace.compute.pytree import pytree
+from lenstrace.optics.vectors import Vector, divide_where, dot, normalize
+from lenstrace.scene.colours import Colour, scaled
+from lenstrace.scene.frame import Frame
+from lenstrace.scene.lights.light import Lighting
+
+
+@pytree
+class AreaLight:
+    """shape, frame: of the primitive that shines, in its number; radiance: that it sends out."""
+
+    shape: Any
+    frame: Frame | None
+    radiance: Colour
+    number: jax.Array
+
+    def toward(self, point: Vector, u: jax.Array, v: jax.Array) -> Lighting:
+        """From a point of the shape, chosen evenly by its area with u and v in [0, 1).
+
+        Per solid angle the density is r^2 / (cos A), r the distance, A the area, cos at the light.
+        """
+        place = self.shape.place(u, v)
+        normal = normalize(self.shape.normal(place))
+        if self.frame is not None:
+            place, normal = self.frame.outer_point(place, None), self.frame.outer_direction(normal)
+        x, y, z = (a - b for a, b in zip(place, point, strict=True))
+        square = dot((x, y, z), (x, y, z))
+        apart = square > 0
+        inverse = jnp.where(apart, 1 / jnp.sqrt(jnp.where(apart, square, 1)), 0)
+        direction = x * inverse, y * inverse, z * inverse
+        cosine = -dot(direction, normal)
+        lit = apart & (cosine > 0)
+        density = self.density(square, cosine)
+        arriving = scaled(self.radiance, divide_where(lit, jnp.ones_like(square), density))
+        return Lighting(direction, square * inverse, arriving, density, jnp.broadcast_to(self.number, square.shape))
+
+    def density(self, square: jax.Array, cosine: jax.Array) -> jax.Array:
+        """With which `toward` chooses a direction, per solid angle; 0 where the light is seen from behind.
+
+        square: of the distance to the light; cosine: between the direction and the light's normal.
+        """
+        return divide_where(cosine > 0, square, cosine * self.shape.area())

@@ -1,0 +1,1 @@
+"""Materials: how a surface scatters light."""

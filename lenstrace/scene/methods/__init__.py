@@ -1,0 +1,1 @@
+"""Methods: how the light of a ray is found."""
