@@ -10,6 +10,7 @@
     |- ImageError            a question that needs an image, where the image is at infinity
     |- OptionError           an option of a demonstration out of its range
     |- DesignError           an optimization that cannot be posed: no variables, a bound that excludes the start
+    |- SceneError           a scene, a camera or a picture that cannot be: no such shape, a negative roughness
     `- AccuracyError         a trade or an accuracy that cannot be had
 
     AccuracyWarning (a UserWarning)  a result less accurate than it looks
@@ -56,6 +57,10 @@ class OptionError(LensTraceError):
 
 class DesignError(LensTraceError):
     """A problem of design that cannot be posed: nothing to vary, nothing wanted, limits that contradict each other."""
+
+
+class SceneError(LensTraceError):
+    """A scene, a camera or a picture that cannot be made."""
 
 
 class AccuracyError(LensTraceError):

@@ -4,6 +4,8 @@ import jax.numpy as jnp
 from lenstrace.compute.pytree import pytree
 @pytree
 class Diffuse:
+    sends = (False, False)
+    disperses = False
     albedo: object
     def sample(self, place, outgoing, u, v, w):
         r=jnp.sqrt(u); t=2*jnp.pi*v; z=jnp.sqrt(1-u)
