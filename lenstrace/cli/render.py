@@ -84,7 +84,9 @@ def bar() -> Iterator[Callable[[Progress], None]]:
         task = shown.add_task("", total=None, what="compiling", figures="")
 
         def report(now: Progress) -> None:
-            figures = f"{now.samples:.0f} samples, {now.rays_per_second / 1e6:.1f} million rays/s, noise {now.noise:.2g}"
+            figures = (
+                f"{now.samples:.0f} samples, {now.rays_per_second / 1e6:.1f} million rays/s, noise {now.noise:.2g}"
+            )
             left = "" if now.seconds_left is None else f", {now.seconds_left:.0f} s left"
             shown.update(task, total=1, completed=now.done, what="tracing", figures=figures + left)
 

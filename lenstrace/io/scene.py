@@ -86,7 +86,8 @@ def scene_from_keys(keys: Mapping[str, Any], folder: str) -> Setup:
     """A scene out of the keys of a file; other files that it names are looked for in `folder`."""
     unknown("the file", keys, SECTIONS, SceneError)
     named = {
-        name: made(f"materials: {name}", entry, MATERIALS, SceneError) for name, entry in _table(keys, "materials").items()
+        name: made(f"materials: {name}", entry, MATERIALS, SceneError)
+        for name, entry in _table(keys, "materials").items()
     }
     scene = Scene(
         [_object(f"objects {i}", entry, named) for i, entry in enumerate(_tables(keys, "objects"), 1)],
@@ -127,7 +128,7 @@ def _environment(entry: Mapping[str, Any], folder: str) -> Any:
     """Of [environment]: one radiance, or the file of a map."""
     unknown("environment", entry, ("radiance", "map"), SceneError)
     if len(entry) != 1:
-        raise SceneError("environment: give radiance = [r, g, b] or map = \"file.npy\"")
+        raise SceneError('environment: give radiance = [r, g, b] or map = "file.npy"')
     if "radiance" in entry:
         return tupled(entry["radiance"])
     path = os.path.join(folder, entry["map"])

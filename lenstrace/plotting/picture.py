@@ -41,7 +41,9 @@ def save_picture(picture: Picture, path: str | os.PathLike[str], exposure: float
         else:
             from PIL import Image  # noqa: PLC0415
 
-            Image.fromarray(picture.screen(exposure)).save(partial, format=suffix[1:].replace("jpg", "jpeg").replace("tif", "tiff"))
+            Image.fromarray(picture.screen(exposure)).save(
+                partial, format=suffix[1:].replace("jpg", "jpeg").replace("tif", "tiff")
+            )
 
     written(path, write)
 

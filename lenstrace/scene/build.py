@@ -35,8 +35,12 @@ def world_of(scene: Scene, dtype: Any = np.float32) -> World:
     lights.extend(scene.lights)
     around = None
     if scene.environment is not None:
-        around = environment(np.broadcast_to(np.asarray(scene.environment, float), (1, 1, 3)) if np.ndim(
-            scene.environment) == 1 else np.asarray(scene.environment), np.dtype(dtype))
+        around = environment(
+            np.broadcast_to(np.asarray(scene.environment, float), (1, 1, 3))
+            if np.ndim(scene.environment) == 1
+            else np.asarray(scene.environment),
+            np.dtype(dtype),
+        )
     powers = [_power(light) for light in lights]
     if around is not None:
         powers.append(float(np.mean(np.asarray(around.radiance))) * 4 * np.pi**2 * RADIUS**2)

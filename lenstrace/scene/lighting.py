@@ -32,9 +32,7 @@ def lighting(
     middle = jnp.full_like(point[0], 0.5)
     u, v = (middle, middle) if spread is None else spread
     assert world.lights is not None
-    return world.lights.chosen(
-        jnp.broadcast_to(number, middle.shape), lambda light: light.toward(point, u, v)
-    )
+    return world.lights.chosen(jnp.broadcast_to(number, middle.shape), lambda light: light.toward(point, u, v))
 
 
 def emitted(

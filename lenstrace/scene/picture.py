@@ -45,7 +45,7 @@ class Picture:
 
     @property
     def noise(self) -> float:
-        """Root mean square standard error of the luminance over the mean luminance; 0 where all is black."""
+        """Mean standard error of the luminance of a pixel over the mean luminance; 0 where all is black."""
         return relative_noise(self.radiance, self.standard_error)
 
     @property
@@ -61,7 +61,7 @@ class Picture:
 
 def relative_noise(radiance: np.ndarray, standard_error: np.ndarray) -> float:
     """Of a picture, see `Picture.noise`."""
-    weights = np.array(LUMINANCE)
-    error = np.sqrt(np.mean(standard_error.astype(float) ** 2 @ weights**2))
-    mean = np.mean(radiance.astype(float) @ weights)
+    weights = np.array(LUMINANCE, radiance.dtype)
+    error = np.mean(np.sqrt(standard_error**2 @ weights**2), dtype=float)
+    mean = np.mean(radiance @ weights, dtype=float)
     return float(error / mean) if mean > 0 else 0.0

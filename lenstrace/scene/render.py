@@ -83,42 +83,43 @@ def render(
     )
     pixels = size[0] * size[1]
     batch = min(BATCH, -(-pixels // (2 * CHUNK)) * 2 * CHUNK)
-    tally = Tally(pixels)
+    tally = Tally(pixels, dtype)
     begin = time.perf_counter()
     # no samples, but the program is there
     jax.block_until_ready(_run(task, 0, batch, pixels, 0, 0))
     start = time.perf_counter()
     interrupted = False
     try:
-        for spent in _work(task, tally, batch, limit, noise, start):
+        for now in _work(task, tally, batch, limit, noise):
+            spent = time.perf_counter() - start
             if progress is not None:
-                progress(_progress(tally, limit, seconds, spent))
+                progress(_progress(tally, now, limit, seconds, spent))
             if seconds is not None and spent >= seconds:
                 break
     except KeyboardInterrupt:
         interrupted = True
     shape = size[1], size[0]
     return Picture(
-        tally.mean.astype(dtype).reshape(*shape, 3),
-        tally.standard_error().astype(dtype).reshape(*shape, 3),
+        tally.mean.reshape(*shape, 3),
+        tally.standard_error().reshape(*shape, 3),
         *(tally.count.reshape(shape), tally.rays, time.perf_counter() - start, start - begin, interrupted),
     )
 
 
-def _work(task: Task, tally: Tally, batch: int, limit: int | None, noise: float | None, start: float) -> Iterator[float]:
-    """Take samples, a pass over all batches after the other; gives the seconds spent so far after each batch."""
+def _work(task: Task, tally: Tally, batch: int, limit: int | None, noise: float | None) -> Iterator[float]:
+    """Take samples, a pass over all batches after the other; gives the noise of the last pass after each batch."""
     pixels = len(tally.count)
-    first = 0
+    first, now = 0, math.inf
     for number in _passes(limit):
         for pixel in range(0, pixels, batch):
             sums = _run(task, pixel, batch, pixels, first, number)
             size = min(batch, pixels - pixel)
             mean, spread = (np.stack([np.asarray(c) for c in colour], -1)[:size] for colour in (sums.mean, sums.spread))
             rays = int(np.sum(np.asarray(sums.rays)[:size], dtype=np.int64))
-            tally.add(pixel, mean.astype(float), spread.astype(float), number, rays)
-            yield time.perf_counter() - start
-        first += number
-        if noise is not None and first > 1 and tally.noise() <= noise:
+            tally.add(pixel, mean, spread, number, rays)
+            yield now
+        first, now = first + number, tally.noise()
+        if noise is not None and now <= noise:
             return
 
 
@@ -140,13 +141,13 @@ def _passes(limit: int | None) -> Iterator[int]:
         done += number
 
 
-def _progress(tally: Tally, limit: int | None, seconds: float | None, spent: float) -> Progress:
+def _progress(tally: Tally, noise: float, limit: int | None, seconds: float | None, spent: float) -> Progress:
     samples = float(np.mean(tally.count))
     shares = [samples / limit] if limit is not None else []
     shares += [spent / seconds] if seconds is not None else []
     done = min(1.0, max(shares)) if shares else None
     left = spent * (1 - done) / done if done else None
-    return Progress(done, samples, tally.rays / spent, math.inf if samples < 2 else tally.noise(), left)
+    return Progress(done, samples, tally.rays / spent, noise, left)
 
 
 def _word(key: int | jax.Array) -> int:

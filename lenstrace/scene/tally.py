@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from lenstrace.scene.picture import relative_noise
@@ -10,9 +12,9 @@ from lenstrace.scene.picture import relative_noise
 class Tally:
     """Of every pixel the mean of its samples, the sum of squared deviations from it, and how many they are."""
 
-    def __init__(self, pixels: int) -> None:
+    def __init__(self, pixels: int, dtype: Any) -> None:
         """A picture of so many pixels, none of them sampled."""
-        self.mean, self._spread = np.zeros((2, pixels, 3))
+        self.mean, self._spread = np.zeros((pixels, 3), dtype), np.zeros((pixels, 3), dtype)
         self.count = np.zeros(pixels, np.int32)
         self.rays = 0
 
@@ -22,7 +24,7 @@ class Tally:
         Source: T. Chan, G. Golub, R. LeVeque, Stanford STAN-CS-79-773 (1979), Eq. (2.1).
         """
         here = slice(first, first + len(mean))
-        before = self.count[here, None]
+        before = self.count[here, None].astype(mean.dtype)
         change, share = mean - self.mean[here], number / (before + number)
         self.mean[here] += change * share
         self._spread[here] += spread + change**2 * before * share
@@ -31,9 +33,10 @@ class Tally:
 
     def standard_error(self) -> np.ndarray:
         """(pixels, 3), of the means; inf for a pixel of fewer than two samples."""
-        count = self.count[:, None]
-        known = count > 1
-        return np.where(known, np.sqrt(self._spread / np.where(known, count * (count - 1.0), 1)), np.inf)
+        count = self.count[:, None].astype(self._spread.dtype)
+        error = np.sqrt(self._spread / np.maximum(count * (count - 1), 1))
+        error[self.count < 2] = np.inf
+        return error
 
     def noise(self) -> float:
         """See `Picture.noise`."""

@@ -39,7 +39,12 @@ def look(world: World, ray: SceneRay, wanted: jax.Array, spread: tuple[jax.Array
 
 
 def _lit(
-    world: World, ray: SceneRay, hit: Hit, surface: Surface, wanted: jax.Array, spread: tuple[jax.Array, jax.Array] | None
+    world: World,
+    ray: SceneRay,
+    hit: Hit,
+    surface: Surface,
+    wanted: jax.Array,
+    spread: tuple[jax.Array, jax.Array] | None,
 ) -> tuple[Colour, jax.Array]:
     """The sum over all lights, and how many shadow rays that took.
 

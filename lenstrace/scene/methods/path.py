@@ -118,4 +118,3 @@ def _share(density: jax.Array, other: jax.Array) -> jax.Array:
     sure = jnp.isinf(density)
     ratio = other / jnp.where(sure | (density == 0), 1, density)
     return jnp.where(sure, 1, 1 / (1 + ratio * ratio))
-

@@ -94,13 +94,14 @@ def _visit(world: World, walk: _Walk, draws: Draws, purpose: jax.Array, settings
         return walk._replace(alive=jnp.zeros_like(alive))
     gloss = draws.four(purpose + SCATTER, dtype)[:2] if settings.spread else None
     mirrored, refracted = (
-        _Node(
-            node.ray.onward(hit.point, way.direction, hit.primitive), times(node.weight, way.weight), node.depth + 1
-        )
+        _Node(node.ray.onward(hit.point, way.direction, hit.primitive), times(node.weight, way.weight), node.depth + 1)
         for way in branches(world, surface, gloss)
     )
     deeper = alive & hit.met & (node.depth < settings.depth)
-    goes, parts = (deeper & (largest(each.weight) >= settings.threshold) & (largest(each.weight) > 0) for each in (mirrored, refracted))
+    goes, parts = (
+        deeper & (largest(each.weight) >= settings.threshold) & (largest(each.weight) > 0)
+        for each in (mirrored, refracted)
+    )
     if not world.refracts:
         return walk._replace(node=_where(goes, mirrored, node), alive=goes)
     weaker = largest(mirrored.weight) < largest(refracted.weight)
