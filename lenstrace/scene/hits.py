@@ -9,8 +9,9 @@ import jax
 import jax.numpy as jnp
 from jax import lax
 
+from lenstrace.optics.shapes.shape import along, touch
 from lenstrace.optics.vectors import Vector, normalize
-from lenstrace.scene.rays import NOWHERE, SceneRay, along
+from lenstrace.scene.rays import NOWHERE, SceneRay
 from lenstrace.scene.world import Primitive, World
 
 
@@ -37,7 +38,7 @@ def intersect(world: World, ray: SceneRay) -> Hit:
 
     def there(kind: Primitive) -> tuple[jax.Array, Vector, Vector]:
         point, direction = _local(kind, ray)
-        reached = kind.shape.touch(point, direction, distance)
+        reached = touch(kind.shape, point, direction, distance)
         normal = normalize(kind.shape.normal(along(point, direction, reached)))
         normal = normal if kind.frame is None else kind.frame.outer_direction(normal)
         return reached, along(ray.point, ray.direction, reached), normal

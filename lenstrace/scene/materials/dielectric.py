@@ -11,7 +11,7 @@ from lenstrace.compute.pytree import pytree
 from lenstrace.optics.fresnel import reflectances
 from lenstrace.optics.vectors import Vector, root_or_zero
 from lenstrace.scene.colours import Colour
-from lenstrace.scene.materials.index import Constant
+from lenstrace.scene.dispersion import FlatIndex
 from lenstrace.scene.materials.material import Branch, Place, Scattering, mirrored, none
 
 
@@ -21,7 +21,7 @@ class Dielectric:
 
     sends: ClassVar[tuple[bool, bool]] = (True, True)
     index: Any
-    outside: Any = Constant(1.0)
+    outside: Any = FlatIndex(1.0)
 
     @property
     def disperses(self) -> bool:
@@ -54,7 +54,7 @@ class Dielectric:
 
     def _ways(self, place: Place, outgoing: Vector) -> tuple[jax.Array, jax.Array, Vector]:
         """Reflected share, n1 / n2 and the refracted direction."""
-        inside, outside = self.index.at(place.um), self.outside.at(place.um)
+        inside, outside = self.index.index(place.um), self.outside.index(place.um)
         here, there = jnp.where(place.outside, outside, inside), jnp.where(place.outside, inside, outside)
         x, y, z = outgoing
         s, p = reflectances(z, here, there)

@@ -20,7 +20,7 @@ from lenstrace.optics.fresnel import reflectances
 from lenstrace.optics.vectors import Vector, divide_where, dot, root_or_zero
 from lenstrace.scene.colours import Colour, scaled
 from lenstrace.scene.materials.dielectric import Dielectric
-from lenstrace.scene.materials.index import Constant
+from lenstrace.scene.dispersion import FlatIndex
 from lenstrace.scene.materials.material import Branch, Place, Scattering
 from lenstrace.scene.materials.microfacets import distribution, reflected, unshadowed, visible_normal
 
@@ -32,7 +32,7 @@ class RoughDielectric:
     sends: ClassVar[tuple[bool, bool]] = (True, True)
     index: Any
     roughness: Any = 0.1
-    outside: Any = Constant(1.0)
+    outside: Any = FlatIndex(1.0)
 
     @property
     def disperses(self) -> bool:
@@ -99,7 +99,7 @@ class RoughDielectric:
         return (back, (r, r, r)), (through, (t, t, t))
 
     def _indices(self, place: Place) -> tuple[jax.Array, jax.Array]:
-        inside, outside = self.index.at(place.um), self.outside.at(place.um)
+        inside, outside = self.index.index(place.um), self.outside.index(place.um)
         return jnp.where(place.outside, outside, inside), jnp.where(place.outside, inside, outside)
 
 

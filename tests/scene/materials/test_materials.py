@@ -12,13 +12,13 @@ from lenstrace.optics.fresnel import reflectances
 from lenstrace.scene.materials.blinn_phong import BlinnPhong
 from lenstrace.scene.materials.dielectric import Dielectric
 from lenstrace.scene.materials.diffuse import Diffuse
-from lenstrace.scene.materials.index import Constant
+from lenstrace.scene.dispersion import FlatIndex
 from lenstrace.scene.materials.material import Place
 from lenstrace.scene.materials.mirror import Mirror
 from lenstrace.scene.materials.rough_conductor import RoughConductor, metal_reflectance
 from lenstrace.scene.materials.rough_dielectric import RoughDielectric
 
-GLASS = Constant(1.5)
+GLASS = FlatIndex(1.5)
 SPREADING = {
     "diffuse": Diffuse((0.8, 0.5, 0.2)),
     "blinn-phong": BlinnPhong((0.3, 0.2, 0.1), (0.5, 0.5, 0.5), 20.0),
