@@ -9,6 +9,7 @@
     |- LostRaysError         a question whose rays all fail
     |- ImageError            a question that needs an image, where the image is at infinity
     |- OptionError           an option of a demonstration out of its range
+    |- CameraError           a lens that takes no such picture: nothing to focus on, nearer than it can, stopped too wide
     |- DesignError           an optimization that cannot be posed: no variables, a bound that excludes the start
     |- SceneError           a scene, a camera or a picture that cannot be: no such shape, a negative roughness
     `- AccuracyError         a trade or an accuracy that cannot be had
@@ -53,6 +54,10 @@ class ImageError(LensTraceError):
 
 class OptionError(LensTraceError):
     """An option of a demonstration out of its range."""
+
+
+class CameraError(LensTraceError):
+    """A picture that a lens cannot take: no real image, nearer than it can be focused, wider than it opens."""
 
 
 class DesignError(LensTraceError):
