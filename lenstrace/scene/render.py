@@ -21,6 +21,7 @@ from lenstrace.scene.lanes import Sums, Task, samples_of
 from lenstrace.scene.methods.method import method_of
 from lenstrace.scene.objects import Scene
 from lenstrace.scene.picture import Picture
+from lenstrace.scene.rules import CAMERAS, checked
 from lenstrace.scene.tally import Tally
 
 # Pixels of a thread's share, and of a call; samples of a pixel in one call at most, and where nothing is said.
@@ -75,12 +76,12 @@ def render(
     if sampler not in [each.value for each in Sampler]:
         raise SceneError(f"sampler: unknown {sampler!r}; one of {', '.join(each.value for each in Sampler)}")
     limit = PASS if samples is None and seconds is None and noise is None else samples
-    unsigned = [jnp.asarray(number, jnp.uint32) for number in (*size, _word(key))]
+    width, height, word = (jnp.asarray(number, jnp.uint32) for number in (*size, _word(key)))
+    world = world_of(scene, dtype)
+    eye = jax.tree.map(lambda a: jnp.asarray(a, dtype), checked(camera, CAMERAS))
+    how = method_of(method, depth, threshold, dtype)
     nothing = jnp.asarray(0, jnp.int32)
-    task = Task(
-        *(world_of(scene, dtype), jax.tree.map(lambda a: jnp.asarray(a, dtype), camera)),
-        *(method_of(method, depth, threshold, dtype), *unsigned, nothing, nothing, Sampler(sampler)),
-    )
+    task = Task(world, eye, how, width, height, word, nothing, nothing, Sampler(sampler))
     pixels = size[0] * size[1]
     batch = min(BATCH, -(-pixels // (2 * CHUNK)) * 2 * CHUNK)
     tally = Tally(pixels, dtype)

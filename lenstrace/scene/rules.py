@@ -11,7 +11,6 @@ import numpy as np
 
 from lenstrace.errors import LensTraceError, SceneError
 from lenstrace.optics.glasses import glass
-from lenstrace.optics.media import Medium
 from lenstrace.optics.shapes.box import Box
 from lenstrace.optics.shapes.cylinder import Cylinder
 from lenstrace.optics.shapes.disk import Disk
@@ -20,11 +19,12 @@ from lenstrace.optics.shapes.sphere import Sphere
 from lenstrace.optics.shapes.triangle import Triangle
 from lenstrace.scene.cameras.simple import Orthographic, Pinhole, ThinLens
 from lenstrace.scene.cameras.view import View
-from lenstrace.scene.dispersion import FlatIndex, fitted
+from lenstrace.scene.dispersion import Dispersion
 from lenstrace.scene.lights.delta import DistantLight, PointLight
 from lenstrace.scene.materials.blinn_phong import BlinnPhong
 from lenstrace.scene.materials.dielectric import Dielectric
 from lenstrace.scene.materials.diffuse import Diffuse
+from lenstrace.scene.materials.index import FlatIndex, index_of
 from lenstrace.scene.materials.mirror import Mirror
 from lenstrace.scene.materials.rough_conductor import RoughConductor
 from lenstrace.scene.materials.rough_dielectric import RoughDielectric
@@ -32,6 +32,13 @@ from lenstrace.scene.materials.texture import Checker
 
 # Below it the highlights of float32 would be lost to rounding.
 SMOOTHEST = 1e-3
+
+SHAPES = (Sphere, Rectangle, Disk, Box, Cylinder, Triangle)
+# Those of which every part of the area is as likely as another to be taken for a light.
+SHINING = (Sphere, Rectangle, Disk, Triangle)
+MATERIALS = (Diffuse, Mirror, Dielectric, RoughConductor, RoughDielectric, BlinnPhong)
+LIGHTS = (PointLight, DistantLight)
+CAMERAS = (Pinhole, ThinLens, Orthographic)
 
 Rule = Callable[[Any], Any]
 
@@ -81,11 +88,11 @@ def roughness(value: Any) -> float:
 def index(value: Any) -> Any:
     """A refractive index: a number, the name of a glass, or a medium."""
     if isinstance(value, str):
-        return fitted(glass(value))
-    if isinstance(value, FlatIndex) or hasattr(value, "coefficients"):
+        return index_of(glass(value))
+    if isinstance(value, FlatIndex | Dispersion):
         return value
     if not isinstance(value, bool | int | float | np.floating | np.integer):
-        return fitted(value)
+        return index_of(value)
     if not number(value) >= 1:
         raise SceneError(f"must be at least 1 in a scene, got {value}")
     return FlatIndex(float(value))

@@ -18,7 +18,7 @@ class Primitive:
 
     shape: Any
     frame: Frame | None
-    number: jax.Array
+    number: Any
 
 
 @pytree

@@ -7,6 +7,7 @@ import jax.numpy as jnp
 
 from lenstrace.compute.pytree import pytree
 from lenstrace.optics.shapes.shape import Roots, along
+from lenstrace.optics.turns import turned
 from lenstrace.optics.vectors import Vector, dot, root_or_zero
 
 
@@ -61,5 +62,5 @@ class Sphere:
         z / R = 1 - 2 u by Archimedes' theorem, and the angle 2 pi v about z.
         """
         across = 2 * self.radius * root_or_zero(u * (1 - u))
-        angle = 2 * jnp.pi * v
-        return across * jnp.cos(angle), across * jnp.sin(angle), self.radius * (1 - 2 * u)
+        cos, sin = turned(v)
+        return across * cos, across * sin, self.radius * (1 - 2 * u)

@@ -7,6 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from lenstrace.compute.pytree import pytree
+from lenstrace.optics.turns import turned
 from lenstrace.optics.vectors import Vector
 from lenstrace.scene.colours import Colour
 from lenstrace.scene.lights.light import Lighting
@@ -42,12 +43,12 @@ class Environment:
         rows = count // self.columns
         row, column = cell // self.columns, cell % self.columns
         height = 1 - 2 * (row + u) / rows
-        turn = 2 * jnp.pi * (column + v) / self.columns
+        cos, sin = turned((column + v) / self.columns)
         across = jnp.sqrt(jnp.maximum(1 - height * height, 0))
         density = self._density(cell)
         r, g, b = self._colour(cell)
         far = jnp.full_like(u, jnp.inf)
-        direction = across * jnp.sin(turn), height, across * jnp.cos(turn)
+        direction = across * sin, height, across * cos
         safe = jnp.where(density > 0, density, 1)
         return Lighting(direction, far, (r / safe, g / safe, b / safe), density, nowhere(u))
 

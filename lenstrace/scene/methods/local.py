@@ -18,7 +18,7 @@ from lenstrace.scene.world import World
 
 
 class Seen(NamedTuple):
-    """radiance: that comes straight from the lights.      hit, surface: what is met.       rays: how many were traced."""
+    """radiance: that comes straight from the lights.    hit, surface: what is met.    rays: how many were traced."""
 
     radiance: Colour
     hit: Hit

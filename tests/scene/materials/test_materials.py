@@ -12,7 +12,7 @@ from lenstrace.optics.fresnel import reflectances
 from lenstrace.scene.materials.blinn_phong import BlinnPhong
 from lenstrace.scene.materials.dielectric import Dielectric
 from lenstrace.scene.materials.diffuse import Diffuse
-from lenstrace.scene.dispersion import FlatIndex
+from lenstrace.scene.materials.index import FlatIndex
 from lenstrace.scene.materials.material import Place
 from lenstrace.scene.materials.mirror import Mirror
 from lenstrace.scene.materials.rough_conductor import RoughConductor, metal_reflectance
