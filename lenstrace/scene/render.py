@@ -6,6 +6,7 @@ import dataclasses
 import itertools
 import math
 import time
+import warnings
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -14,19 +15,20 @@ import jax.numpy as jnp
 import numpy as np
 
 from lenstrace.compute.blocks import each
-from lenstrace.errors import SceneError
+from lenstrace.errors import AccuracyWarning, SceneError
 from lenstrace.scene.build import world_of
 from lenstrace.scene.draws import Sampler
 from lenstrace.scene.lanes import Sums, Task, samples_of
 from lenstrace.scene.methods.method import method_of
 from lenstrace.scene.objects import Scene
 from lenstrace.scene.picture import Picture
-from lenstrace.scene.rules import CAMERAS, checked
+from lenstrace.scene.rules import CAMERAS, check_outside, checked
 from lenstrace.scene.tally import Tally
 
 # Pixels of a thread's share, and of a call; samples of a pixel in one call at most, and where nothing is said.
 CHUNK, BATCH, PASS = 1 << 11, 1 << 15, 16
 SIZE = (256, 256)
+NO_LIGHT = "the scene has no light and is black: give it lights, an environment, or an object with emission"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -79,6 +81,10 @@ def render(
     width, height, word = (jnp.asarray(number, jnp.uint32) for number in (*size, _word(key)))
     world = world_of(scene, dtype)
     eye = jax.tree.map(lambda a: jnp.asarray(a, dtype), checked(camera, CAMERAS))
+    check_outside(camera.view.position, scene)
+    notes = () if scene.lights or world.lights or world.environment else (NO_LIGHT,)
+    for note in notes:
+        warnings.warn(note, AccuracyWarning, stacklevel=2)
     how = method_of(method, depth, threshold, dtype)
     nothing = jnp.asarray(0, jnp.int32)
     task = Task(world, eye, how, width, height, word, nothing, nothing, Sampler(sampler))
@@ -103,7 +109,7 @@ def render(
     return Picture(
         tally.mean.reshape(*shape, 3),
         tally.standard_error().reshape(*shape, 3),
-        *(tally.count.reshape(shape), tally.rays, time.perf_counter() - start, start - begin, interrupted),
+        *(tally.count.reshape(shape), tally.rays, time.perf_counter() - start, start - begin, interrupted, notes),
     )
 
 
