@@ -16,6 +16,8 @@ from lenstrace.optics.vectors import Vector
 
 # A bound of the sag is made wider by this part of itself, so that a ray crosses a surface before it leaves the bound.
 MARGIN = 1 / 64
+# F along the ray is taken to turn no more than once in each of so many equal parts on either side of the axis.
+PARTS = 2
 
 
 @pytree
@@ -48,6 +50,8 @@ class AsphereCap:
         start = jnp.zeros_like(x)
         first, last = (jnp.where(on, jnp.maximum(end, start), end) for end in (first, last))
         middle = jnp.clip(middle, first, last)
+        parts = [first + (middle - first) * (i / PARTS) for i in range(PARTS)]
+        parts += [middle + (last - middle) * (i / PARTS) for i in range(PARTS)] + [last]
 
         def level(t: jax.Array) -> jax.Array:
             return z + t * n - self.surface.slopes(x + t * l, y + t * m)[0]
@@ -56,12 +60,17 @@ class AsphereCap:
             px, py = x + t * l, y + t * m
             return n - self.surface.slopes(px, py)[1] * (px * l + py * m)
 
-        width = jnp.finfo(x.dtype).eps * (self.semi_diameter + deepest) / 2
-        turns, turned = bracketed_root(rise, jnp.stack([first, middle]), jnp.stack([middle, last]), width)
-        early, late = jnp.where(turned[0], turns[0], first), jnp.where(turned[1], turns[1], last)
-        # of a ray that starts on the cap the first piece ends only where F turns
-        middle = jnp.where(on & ~turned[0], start, middle)
-        found = crossings(level, [first, early, middle, late, last], start, on, width)
+        width = jnp.finfo(x.dtype).eps * (self.semi_diameter + deepest) * 4
+        turns, turned = bracketed_root(rise, jnp.stack(parts[:-1]), jnp.stack(parts[1:]), width)
+        ends, steady = [first], on
+        for i, part in enumerate(parts[1:]):
+            # of a ray that starts on the cap the first piece ends only where F turns
+            turn = jnp.where(turned[i], turns[i], parts[i])
+            ends += [jnp.where(steady & ~turned[i], start, turn)]
+            steady &= ~turned[i]
+            ends += [jnp.where(steady, start, part)]
+        ends[-1] = last
+        found = crossings(level, ends, start, on, width)
         return tuple((jnp.where(real & met, before + t, 0), real & met) for t, real in found)
 
     def value(self, point: Vector) -> jax.Array:

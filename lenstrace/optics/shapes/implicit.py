@@ -116,7 +116,7 @@ class Implicit:
         t, beyond, between, _ = lax.while_loop(unfinished, advance, (first, first, never, jnp.zeros((), int)))
         # the last step may have come to the other side by rounding
         low = jnp.where(between, t, 0)
-        place, changes = bracketed_root(along_ray, low, jnp.where(between, beyond, 0), least_step / 2)
+        place, changes = bracketed_root(along_ray, low, jnp.where(between, beyond, 0), 4 * least_step)
         inside = last > 0
         place = jnp.where(returned & on, 2 * begin, jnp.where(changes, place, t))
         real = inside & (between | (returned & on))

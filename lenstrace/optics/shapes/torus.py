@@ -49,9 +49,9 @@ class Torus:
         foot = along(near, direction, rest)
         middle = far + rest
         size = self.major + self.minor
-        width = jnp.finfo(far.dtype).eps * size / 2
+        width = 4 * jnp.finfo(far.dtype).eps * size
         start = -middle
-        ends = self._turns(foot, direction, BEYOND * size, width)
+        ends = self._turns(foot, direction, size, width)
         rim = jnp.where(on, self._distance_squared(along(foot, direction, start)), self.minor * self.minor)
 
         # going outward, it comes nearer again only beyond a place of greatest distance
@@ -88,7 +88,7 @@ class Torus:
         across = jnp.sqrt(x * x + y * y) - self.major
         return across * across + z * z
 
-    def _turns(self, foot: Vector, direction: Vector, beyond: jax.Array, width: jax.Array) -> list[jax.Array]:
+    def _turns(self, foot: Vector, direction: Vector, size: jax.Array, width: jax.Array) -> list[jax.Array]:
         """Where D^2 is least, greatest and least again, between two ends beyond all crossings; ascending.
 
         Where there is but one least value the other two are at an end.
@@ -96,7 +96,8 @@ class Torus:
         (x, y, _), (l, m, n) = foot, direction
         a = l * l + m * m
         root_a = jnp.sqrt(a)
-        shadow = self.major * root_a  # all turns are within it
+        # all turns are within this; no ray is searched that passes outside
+        shadow = jnp.where(dot(foot, foot) < size * size, self.major * root_a, 0)
         nearest = -divide_where(a > 0, x * l + y * m, a)
         # the sense in which the axis comes before the centre: there the turn that always exists comes last
         sense = jnp.where(nearest > 0, -1, 1).astype(a.dtype)
@@ -117,7 +118,7 @@ class Torus:
         low = jnp.stack([-shadow, peak, nearest])
         high = jnp.stack([peak, nearest, shadow])
         places, real = bracketed_root(slope, low, high, width)
-        end = jnp.full_like(a, 1) * beyond
+        end = jnp.ones_like(a) * (BEYOND * size)
         both = real[0] & real[1]
         turns = [jnp.where(both, places[0], -end), jnp.where(both, places[1], -end), jnp.where(real[2], places[2], 0)]
         ascending = [-end, *turns, end]
