@@ -16,14 +16,11 @@ import numpy as np
 
 from lenstrace.compute.blocks import each
 from lenstrace.errors import AccuracyWarning, SceneError
-from lenstrace.scene.build import world_of
-from lenstrace.scene.draws import Sampler
 from lenstrace.scene.lanes import Sums, Task, samples_of
-from lenstrace.scene.methods.method import method_of
 from lenstrace.scene.objects import Scene
 from lenstrace.scene.picture import Picture
-from lenstrace.scene.rules import CAMERAS, check_outside, checked
 from lenstrace.scene.tally import Tally
+from lenstrace.scene.task import task_of
 
 # Pixels of a thread's share, and of a call; samples of a pixel in one call at most, and where nothing is said.
 CHUNK, BATCH, PASS = 1 << 11, 1 << 15, 16
@@ -74,20 +71,14 @@ def render(
     progress:   called after every batch of pixels.
     Ctrl-C ends the work with the picture so far. SceneError for what cannot be rendered.
     """
-    _check(size, samples, seconds, noise)
-    if sampler not in [each.value for each in Sampler]:
-        raise SceneError(f"sampler: unknown {sampler!r}; one of {', '.join(each.value for each in Sampler)}")
+    _check(samples, seconds, noise)
     limit = PASS if samples is None and seconds is None and noise is None else samples
-    width, height, word = (jnp.asarray(number, jnp.uint32) for number in (*size, _word(key)))
-    world = world_of(scene, dtype)
-    eye = jax.tree.map(lambda a: jnp.asarray(a, dtype), checked(camera, CAMERAS))
-    check_outside(camera.view.position, scene)
-    notes = () if scene.lights or world.lights or world.environment else (NO_LIGHT,)
+    task = task_of(
+        *(scene, camera, size), method=method, depth=depth, threshold=threshold, key=key, sampler=sampler, dtype=dtype
+    )
+    notes = () if task.world.lights or task.world.environment else (NO_LIGHT,)
     for note in notes:
         warnings.warn(note, AccuracyWarning, stacklevel=2)
-    how = method_of(method, depth, threshold, dtype)
-    nothing = jnp.asarray(0, jnp.int32)
-    task = Task(world, eye, how, width, height, word, nothing, nothing, Sampler(sampler))
     pixels = size[0] * size[1]
     batch = min(BATCH, -(-pixels // (2 * CHUNK)) * 2 * CHUNK)
     tally = Tally(pixels, dtype)
@@ -157,17 +148,7 @@ def _progress(tally: Tally, noise: float, limit: int | None, seconds: float | No
     return Progress(done, samples, tally.rays / spent, noise, left)
 
 
-def _word(key: int | jax.Array) -> int:
-    """32 bits of a key."""
-    if isinstance(key, int):
-        return key % 2**32
-    words = np.asarray(jax.random.key_data(key), np.uint32).ravel()
-    return int(np.bitwise_xor.reduce(words * np.arange(1, 2 * len(words), 2, dtype=np.uint32)))
-
-
-def _check(size: tuple[int, int], samples: int | None, seconds: float | None, noise: float | None) -> None:
-    if min(size) < 1:
-        raise SceneError(f"size: width and height must be at least 1 pixel, got {size[0]}x{size[1]}")
+def _check(samples: int | None, seconds: float | None, noise: float | None) -> None:
     if samples is not None and samples < 1:
         raise SceneError(f"samples: at least 1 for each pixel, got {samples}")
     for name, value in (("seconds", seconds), ("noise", noise)):

@@ -76,8 +76,9 @@ def test_each_of_whitteds_stops_alone():
 
 def test_glass_slab_by_a_tree_of_rays():
     """Unpolarized at normal incidence 12 / 13 of the light behind a slab of n = 1.5 comes through."""
-    slab = Object(Rectangle(9.0, 9.0), Dielectric(1.5), rotation=(180, 0, 0)), Object(
-        Rectangle(9.0, 9.0), Dielectric(1.5), (0, 0, 1)
+    slab = (
+        Object(Rectangle(9.0, 9.0), Dielectric(1.5), rotation=(180, 0, 0)),
+        Object(Rectangle(9.0, 9.0), Dielectric(1.5), (0, 0, 1)),
     )
     lamp = Object(Rectangle(9.0, 9.0), Diffuse(0.0), (0, 0, 5), (180, 0, 0), emission=1.0)
     scene = Scene([*slab, lamp])
