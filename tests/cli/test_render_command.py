@@ -50,12 +50,12 @@ def test_what_is_printed(capsys):
 def test_ctrl_c_writes_the_picture_so_far(capsys, tmp_path, monkeypatch):
     import lenstrace.cli.render as command
 
-    def interrupting(*arguments, progress, **more):
+    def interrupting(*arguments, **more):
         def stop(now):
             if now.samples >= 2:
                 raise KeyboardInterrupt
 
-        return render(*arguments, progress=stop, **more)
+        return render(*arguments, **(more | {"progress": stop}))
 
     render = command.render
     monkeypatch.setattr(command, "render", interrupting)
