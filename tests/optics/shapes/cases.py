@@ -173,7 +173,7 @@ def found(shape: Shape, point: Any, direction: Any, on: Any = False) -> tuple[np
     point, direction = np.asarray(point, dtype), np.asarray(direction, dtype)
     count = point.shape[1]
     # few sizes, so that few programs are compiled
-    more = (0, 0), (0, max(512, 1 << (count - 1).bit_length()) - count)
+    more = (0, 0), (0, max(4096, 1 << (count - 1).bit_length()) - count)
     rays = (tuple(jnp.asarray(np.pad(a, more, "edge"))) for a in (point, direction))
     starts_on = jnp.asarray(np.pad(np.broadcast_to(on, count), more[1], "edge"))
     found = roots_of(shape, *rays, starts_on)
@@ -200,7 +200,7 @@ def aimed(seed: int, count: int, away: float = 3.0) -> tuple[np.ndarray, np.ndar
 
 
 def crossings_by_sampling(case: Case, point: np.ndarray, direction: np.ndarray) -> list[float]:
-    """All changes of sign of F ahead on a ray that belong to the shape, by bisection between 8,001 places and more at a touch."""
+    """All changes of sign of F ahead that belong to the shape, by bisection between 8,001 places and more at a touch."""
     t = np.linspace(0, FARTHEST, 8001)
 
     def f(t: np.ndarray) -> np.ndarray:

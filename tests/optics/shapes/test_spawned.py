@@ -12,7 +12,7 @@ import pytest
 from tests.optics.shapes.cases import CASES, aimed, first_ahead, found, shape_of, units
 
 # A million has been run: LENSTRACE_SPAWNED_RAYS=1000000.
-COUNT = int(os.environ.get("LENSTRACE_SPAWNED_RAYS", "20000"))
+COUNT = int(os.environ.get("LENSTRACE_SPAWNED_RAYS", "16384"))
 SLOW = ("bowl", "wing", "torus", "implicit ball", "peanut")
 # Below this cosine the rounded place decides what a ray meets; above it the geometry does.
 GRAZING = {jnp.float32: 0.02, jnp.float64: 1e-5}
@@ -85,7 +85,7 @@ def test_a_grazing_ray_on_a_sphere_goes_where_its_normal_says(dtype: Any, outwar
     cosine = (place.astype(float) * ways).sum(0)
     clear = np.abs(cosine) > 2 * float(jnp.finfo(dtype).eps)
     t = first_ahead(*found(shape, place, ways, True))
-    assert clear.sum() > 5000
+    assert clear.sum() > 4000
     assert (np.isfinite(t) == (not outward))[clear].all()
     if not outward:
         assert np.abs(t + 2 * cosine)[clear].max() < 4 * jnp.finfo(dtype).eps
