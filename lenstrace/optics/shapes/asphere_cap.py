@@ -16,8 +16,6 @@ from lenstrace.optics.vectors import Vector
 
 # A bound of the sag is made wider by this part of itself, so that a ray crosses a surface before it leaves the bound.
 MARGIN = 1 / 64
-# F along the ray is taken to turn no more than once in each of so many equal parts on either side of the axis.
-PARTS = 2
 
 
 @pytree
@@ -31,11 +29,11 @@ class AsphereCap:
     semi_diameter: jax.Array
 
     def roots(self, point: Vector, direction: Vector, on: jax.Array) -> Roots:
-        """Up to four; see `Shape.roots`.
+        """Eight candidates; see `Shape.roots`.
 
-        The part of the ray in a cylinder about the cap is halved at its point nearest to the axis, and each half where
-        F along the ray turns: the slope of the sag is then taken to have turned no more than once between vertex and
-        rim. On each piece F is monotone, and a crossing lies where its sign changes.
+        The part of the ray in a cylinder about the cap is halved at its point nearest to the axis, each half at its
+        inflection (there is taken to be no more than one), and each of these parts where F along the ray turns. On the
+        pieces F is monotone, and a crossing lies where its sign changes.
         """
         before, near = approach(point, direction)
         before = jnp.where(on, 0, before)
@@ -50,8 +48,6 @@ class AsphereCap:
         start = jnp.zeros_like(x)
         first, last = (jnp.where(on, jnp.maximum(end, start), end) for end in (first, last))
         middle = jnp.clip(middle, first, last)
-        parts = [first + (middle - first) * (i / PARTS) for i in range(PARTS)]
-        parts += [middle + (last - middle) * (i / PARTS) for i in range(PARTS)] + [last]
 
         def level(t: jax.Array) -> jax.Array:
             return z + t * n - self.surface.slopes(x + t * l, y + t * m)[0]
@@ -60,7 +56,12 @@ class AsphereCap:
             px, py = x + t * l, y + t * m
             return n - self.surface.slopes(px, py)[1] * (px * l + py * m)
 
+        def bend(t: jax.Array) -> jax.Array:
+            return jax.jvp(rise, (t,), (jnp.ones_like(t),))[1]
+
         width = jnp.finfo(x.dtype).eps * (self.semi_diameter + deepest) * 4
+        straight, _ = bracketed_root(bend, jnp.stack([first, middle]), jnp.stack([middle, last]), width)
+        parts = [first, jnp.clip(straight[0], first, middle), middle, jnp.clip(straight[1], middle, last), last]
         turns, turned = bracketed_root(rise, jnp.stack(parts[:-1]), jnp.stack(parts[1:]), width)
         ends, steady = [first], on
         for i, part in enumerate(parts[1:]):

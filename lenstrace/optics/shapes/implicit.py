@@ -66,7 +66,8 @@ class Implicit:
         which its tangent would be 0: where 2 M f < f'^2. (With M unknown: where that place is near, and F has the other
         sign there; of three crossings so near to each other it may then be the last that is found.) Between the two
         places the crossing is found to the last bit.
-        A ray that passes so near that F is rounded to 0 takes all steps, and is then not decided: `real` is False.
+        A ray that passes so near that F is rounded to 0 takes all steps, and is then not decided: `real` is False. With
+        M unknown that also befalls a ray that begins next to the surface, off it, and leaves it at a small angle.
 
         A ray that starts on the surface goes to the side where F has the sign of N.d. If the ray's second derivative of
         F leads it back, the march begins where the parabola of value 0, slope N.d and that curvature has turned; at

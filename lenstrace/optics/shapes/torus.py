@@ -96,8 +96,8 @@ class Torus:
         (x, y, _), (l, m, n) = foot, direction
         a = l * l + m * m
         root_a = jnp.sqrt(a)
-        # all turns are within this; no ray is searched that passes outside
-        shadow = jnp.where(dot(foot, foot) < size * size, self.major * root_a, 0)
+        # all turns are well within this; no ray is searched that passes outside
+        shadow = jnp.where(dot(foot, foot) < size * size, self.major * root_a + width, 0)
         nearest = -divide_where(a > 0, x * l + y * m, a)
         # the sense in which the axis comes before the centre: there the turn that always exists comes last
         sense = jnp.where(nearest > 0, -1, 1).astype(a.dtype)
@@ -106,8 +106,9 @@ class Torus:
 
         h = divide_where(a > 0, jnp.abs(x * m - y * l), root_a)
         bend = jnp.cbrt(self.major * a * h * h)
-        before = divide_where(a > 0, root_or_zero((bend - h) * (bend + h)), root_a)
-        peak = jnp.clip(nearest - before, -shadow, nearest)
+        # of a ray through the axis both places are there, where g leaps: a bracket begins clear of the leap
+        aside = jnp.maximum(divide_where(a > 0, root_or_zero((bend - h) * (bend + h)), root_a), width)
+        peak, valley = jnp.maximum(nearest - aside, -shadow), jnp.minimum(nearest + aside, shadow)
 
         def slope(t: jax.Array) -> jax.Array:
             x, y, z = along(foot, turned, t)
@@ -115,11 +116,13 @@ class Torus:
             inward = x * turned[0] + y * turned[1]
             return inward + z * turned[2] - self.major * divide_where(rho > 0, inward, rho)
 
-        low = jnp.stack([-shadow, peak, nearest])
+        low = jnp.stack([-shadow, peak, valley])
         high = jnp.stack([peak, nearest, shadow])
         places, real = bracketed_root(slope, low, high, width)
         end = jnp.ones_like(a) * (BEYOND * size)
-        both = real[0] & real[1]
-        turns = [jnp.where(both, places[0], -end), jnp.where(both, places[1], -end), jnp.where(real[2], places[2], 0)]
+        # where g does not change its sign it is 0 at an end of the bracket
+        greatest = jnp.where(real[1], places[1], nearest)
+        turns = [jnp.where(real[0], p, -end) for p in (places[0], greatest)]
+        turns += [jnp.where(real[2], places[2], valley)]
         ascending = [-end, *turns, end]
         return [jnp.where(sense > 0, p, -q) for p, q in zip(ascending, reversed(ascending), strict=True)]
