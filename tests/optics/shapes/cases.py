@@ -200,7 +200,7 @@ def aimed(seed: int, count: int, away: float = 3.0) -> tuple[np.ndarray, np.ndar
 
 
 def crossings_by_sampling(case: Case, point: np.ndarray, direction: np.ndarray) -> list[float]:
-    """All changes of sign of F ahead that belong to the shape, by bisection between 8,001 places and more at a touch."""
+    """All changes of sign of F ahead that belong to the shape, by bisection between 8,001 places, more at a touch."""
     t = np.linspace(0, FARTHEST, 8001)
 
     def f(t: np.ndarray) -> np.ndarray:
