@@ -32,7 +32,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "optimization, pictures of scenes, demonstrations.",
     )
     parser.add_argument("--version", action="version", version=f"lenstrace {__version__}")
-    gc.set_threshold(NEW_OBJECTS)
+    if arguments is None:
+        # a program of its own, not a call from Python
+        gc.set_threshold(NEW_OBJECTS)
     try:
         return _run(parser, arguments)
     except LensTraceError as error:

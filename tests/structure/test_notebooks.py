@@ -16,7 +16,9 @@ ALLOWED_IMPORTS = {
     "jax",
     "jax.numpy",
     "lenstrace",
+    "lenstrace.accuracy.trade",
     "lenstrace.design",
+    "lenstrace.scene",
     "matplotlib.pyplot",
     "numpy",
     "pathlib",
@@ -40,6 +42,8 @@ def test_there_are_notebooks() -> None:
         "bending_a_singlet",
         "a_cooke_triplet_from_three_flat_plates",
         "what_limits_this_lens",
+        "from_appel_to_path_tracing",
+        "noise_and_its_price",
     }
     assert named <= {path.stem for path in NOTEBOOKS}
 
