@@ -1,0 +1,160 @@
+"""Triangles asked through Embree, in single precision, on a CPU: the program calls back to Python for all rays at once.
+
+Which triangle a ray meets is Embree's answer; how far away it is, and all derivatives, are found again in the precision
+of the scene. The callback is worth its price for ten thousand rays and more, and cannot stand in a loop over small
+blocks of them (`compute.blocks`): a program with it runs under a plain `jax.jit`, tile after tile.
+Source: I. Wald et al., ACM Transactions on Graphics 33 (4), 143 (2014); "robust" traversal after Woop et al. (2013).
+"""
+
+from __future__ import annotations
+
+import functools
+import importlib.util
+import itertools
+import os
+import weakref
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from lenstrace.compute.pytree import pytree, static
+from lenstrace.optics.shapes.shape import touch
+from lenstrace.optics.shapes.triangle import Triangle
+from lenstrace.scene.rays import NOWHERE, SceneRay
+from lenstrace.scene.stacks import gathered
+
+EPSILON = float(np.finfo(np.float32).eps)
+# Rays in the share of a thread.
+CHUNK = 1 << 14
+# How often a ray is sent on that meets the triangle it begins on, which it should not.
+TRIES = 3
+# The end of a ray toward a light, in units of epsilon: so much nearer, what touches the light there does not hide it.
+SHORT = 16.0
+
+
+class Handle:
+    """Keeps a scene of Embree alive. All are equal, for one compiled program serves every scene of a size."""
+
+    def __init__(self, scene: Any, number: int) -> None:
+        self.scene, self.number = scene, number
+        _handles[number] = self
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Handle)
+
+    def __hash__(self) -> int:
+        return hash(Handle)
+
+
+# scenes by the number that their programs are given
+_handles: weakref.WeakValueDictionary[int, Handle] = weakref.WeakValueDictionary()
+_numbers = itertools.count()
+
+
+@pytree
+class Embree:
+    """Triangles in a scene of Embree. number: of the scene; handle: what keeps it."""
+
+    number: jax.Array
+    handle: Handle = static()
+
+    def nearest(self, primitives: Any, ray: SceneRay, limit: jax.Array) -> tuple[jax.Array, jax.Array]:
+        """Distance to the nearest triangle before `limit`, and its number; inf and NOWHERE where there is none."""
+        place, rough = _ask(self, primitives, ray, limit)
+        met = place >= 0
+        triangle: Triangle = gathered(primitives.shape, place)
+        distance = touch(triangle, ray.point, ray.direction, rough.astype(limit.dtype))
+        # along the plane of the triangle its distance is not to be had so
+        distance = jnp.where(jnp.isfinite(distance) & (distance > 0), distance, rough)
+        met = met & (distance < limit)
+        return jnp.where(met, distance, jnp.inf), jnp.where(met, gathered(primitives.number, place), NOWHERE)
+
+    def any_before(self, primitives: Any, ray: SceneRay, limit: jax.Array, target: jax.Array) -> jax.Array:
+        """Whether any triangle but number `target` stands before the distance `limit`."""
+        place, _ = _ask(self, primitives, ray, limit * (1 - SHORT * EPSILON))
+        return (place >= 0) & (gathered(primitives.number, place) != target)
+
+
+def available() -> bool:
+    """Whether Embree can be asked: it is installed, and the programs run on a CPU."""
+    return jax.default_backend() == "cpu" and importlib.util.find_spec("embreex") is not None
+
+
+def embree(triangles: Triangle) -> Embree:
+    """A scene of stacked triangles with numbers (K,)."""
+    from embreex.mesh_construction import TriangleMesh
+    from embreex.rtcore_scene import EmbreeScene
+
+    corners = [np.stack([np.asarray(a) for a in corner], -1) for corner in (triangles.a, triangles.b, triangles.c)]
+    scene = EmbreeScene(robust=True)
+    TriangleMesh(scene, np.stack(corners, 1).astype(np.float32))
+    handle = Handle(scene, next(_numbers))
+    # the first question builds the tree
+    _rays(scene, np.zeros((1, 3), np.float32), np.ones((1, 3), np.float32), np.ones(1, np.float32))
+    return Embree(jnp.asarray(handle.number, jnp.int32), handle)
+
+
+def _ask(search: Embree, primitives: Any, ray: SceneRay, limit: jax.Array) -> tuple[jax.Array, jax.Array]:
+    """Place of the nearest triangle among the stacked ones, -1 for none, and the distance to it as Embree has it."""
+    first = primitives.number[0]
+    start = jnp.where(ray.start >= first, ray.start - first, NOWHERE)
+    rays = jnp.stack([each.astype(jnp.float32) for each in (*ray.point, *ray.direction)], -1)
+    results = jax.ShapeDtypeStruct(start.shape, np.int32), jax.ShapeDtypeStruct(start.shape, np.float32)
+    return jax.pure_callback(
+        _answer, results, search.number, rays, start.astype(jnp.int32), limit.astype(jnp.float32), vmap_method="broadcast_all"
+    )
+
+
+def _answer(number: Any, rays: Any, start: Any, limit: Any) -> tuple[np.ndarray, np.ndarray]:
+    """For the callback: rays (..., 6), start and limit (...)."""
+    scene = _handles[int(np.asarray(number).flat[0])].scene
+    shape = np.shape(start)
+    rays = np.asarray(rays).reshape(-1, 6)
+    start, limit = (np.asarray(each).reshape(-1) for each in (start, limit))
+    place, distance = np.empty(len(rays), np.int32), np.empty(len(rays), np.float32)
+
+    def share(begin: int) -> None:
+        part = slice(begin, begin + CHUNK)
+        place[part], distance[part] = _nearest(scene, rays[part], start[part], limit[part])
+
+    begins = range(0, len(rays), CHUNK)
+    if len(begins) > 1:
+        list(_threads().map(share, begins))
+    elif len(begins):
+        share(0)
+    return place.reshape(shape), distance.reshape(shape)
+
+
+def _nearest(scene: Any, rays: np.ndarray, start: np.ndarray, limit: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Of rays (N, 6). One that meets where it begins goes on behind that; one of no length is not asked about."""
+    place, distance = np.full(len(rays), -1, np.int32), np.full(len(rays), np.inf, np.float32)
+    asked = np.flatnonzero(limit > 0)
+    point, direction = rays[asked, :3], rays[asked, 3:]
+    gone = np.zeros(len(asked), np.float32)
+    for _ in range(1 + TRIES):
+        found, far = _rays(scene, point, direction, limit[asked] - gone)
+        place[asked], distance[asked] = found, gone + far
+        again = (found >= 0) & (found == start[asked])
+        if not again.any():
+            return place, distance
+        size = np.abs(point[again]).max(-1) + far[again]
+        gone = gone[again] + far[again] + SHORT * EPSILON * size
+        asked, direction = asked[again], direction[again]
+        point = rays[asked, :3] + gone[:, None] * direction
+    place[asked] = -1
+    return place, distance
+
+
+def _rays(scene: Any, point: np.ndarray, direction: np.ndarray, limit: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Numbers of the triangles and distances; Embree writes on the limits that it is given."""
+    answer = scene.run(np.ascontiguousarray(point), np.ascontiguousarray(direction), limit.copy(), output=True)
+    return answer["primID"], answer["tfar"]
+
+
+@functools.cache
+def _threads() -> ThreadPoolExecutor:
+    """Their own: a thread that waits for a program must not be one that the program waits for."""
+    return ThreadPoolExecutor(os.cpu_count())
