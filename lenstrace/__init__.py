@@ -28,6 +28,7 @@ from lenstrace.compute.compiled import COMPILER_OPTIONS
 from lenstrace.errors import (
     AccuracyError,
     AccuracyWarning,
+    CameraError,
     DesignError,
     ImageError,
     LensTraceError,
@@ -112,6 +113,7 @@ __all__ = [
     "Aperture",
     "AxialColour",
     "BestFocus",
+    "CameraError",
     "DesignError",
     "Distortion",
     "DistortionGrid",

@@ -16,7 +16,7 @@ from lenstrace.errors import AccuracyWarning, LensTraceError
 
 COMMANDS = (
     *("report", "spots", "trace", "draw", "seidel", "fans", "field", "wavefront", "psf", "mtf", "focus", "sheet"),
-    *("trade", "optimize", "sensitivity", "demo"),
+    *("trade", "optimize", "sensitivity", "render", "demo"),
 )
 USAGE_ERROR, INTERRUPTED = 2, 130
 # Of new objects, after which Python looks for rubbish: a command makes much that lasts and little that does not,
@@ -29,7 +29,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = _OneLineParser(
         prog="lenstrace",
         description="Trace lenses: first-order figures, rays, spots, aberrations, wavefronts, diffraction, drawings, "
-        "optimization, demonstrations.",
+        "optimization, pictures of scenes, demonstrations.",
     )
     parser.add_argument("--version", action="version", version=f"lenstrace {__version__}")
     gc.set_threshold(NEW_OBJECTS)

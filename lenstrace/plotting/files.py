@@ -23,7 +23,7 @@ def save_figure(figure: Figure, path: str | os.PathLike[str]) -> None:
     LensTraceError for another suffix, or where the file cannot be written; nothing is left behind then.
     """
     kind = check_format(path)
-    _written(path, lambda partial: figure.savefig(partial, format=kind, dpi=RESOLUTION))
+    written(path, lambda partial: figure.savefig(partial, format=kind, dpi=RESOLUTION))
 
 
 def save_pages(figures: Iterable[Figure], path: str | os.PathLike[str]) -> None:
@@ -35,10 +35,10 @@ def save_pages(figures: Iterable[Figure], path: str | os.PathLike[str]) -> None:
             for figure in figures:
                 pages.savefig(figure)
 
-    _written(path, write)
+    written(path, write)
 
 
-def _written(path: str | os.PathLike[str], write: Callable[[Path], None]) -> None:
+def written(path: str | os.PathLike[str], write: Callable[[Path], None]) -> None:
     """A file that `write` writes: it appears whole or not at all."""
     target = Path(path).resolve()  # a link is written through, not replaced
     partial = target.with_name(f".{target.name}.partial")

@@ -9,10 +9,10 @@ import jax
 import jax.numpy as jnp
 from jax import lax
 
-from lenstrace.optics.shapes.shape import touch
+from lenstrace.optics.shapes.shape import along, touch
 from lenstrace.optics.shapes.triangle import Triangle
 from lenstrace.optics.vectors import Vector, normalize
-from lenstrace.scene.rays import NOWHERE, SceneRay, along
+from lenstrace.scene.rays import NOWHERE, SceneRay
 from lenstrace.scene.search import embree, walk
 from lenstrace.scene.search.embree import Embree
 from lenstrace.scene.search.hierarchy import Hierarchy

@@ -9,10 +9,10 @@ import jax.numpy as jnp
 from jax import lax
 
 from lenstrace.compute.pytree import pytree, static
-from lenstrace.scene.colours import Colour, scaled
+from lenstrace.scene.colours import Colour, scaled, times
 from lenstrace.scene.draws import MOMENT, PIXEL, Draws, Sampler
-from lenstrace.scene.methods.path import path
 from lenstrace.scene.rays import SceneRay, nowhere
+from lenstrace.scene.spectrum import sampled_wavelength
 from lenstrace.scene.world import World
 
 
@@ -22,18 +22,16 @@ class Task:
 
     width, height:  of the picture, pixels.        key: of the random numbers.
     first, count:   samples first to first + count - 1 are taken.
-    depth:          segments of a path.
     """
 
     world: World
     camera: Any
+    method: Any
     width: jax.Array
     height: jax.Array
     key: jax.Array
     first: jax.Array
     count: jax.Array
-    depth: jax.Array
-    method: str = static(default="path")
     sampler: Sampler = static(default=Sampler.INDEPENDENT)
 
 
@@ -45,35 +43,45 @@ class Sums(NamedTuple):
     rays: jax.Array
 
 
-def samples(task: Task, pixels: jax.Array) -> Sums:
+def samples_of(task: Task, pixels: jax.Array) -> Sums:
     """The samples of pixels, numbered row after row from the upper left corner; unsigned, (N,)."""
-    dtype = task.world.chosen.dtype
-    zero = jnp.zeros(pixels.shape, dtype)
-    begin = Sums((zero,) * 3, (zero,) * 3, jnp.zeros(pixels.shape, jnp.int32))
+    zero = jnp.zeros(pixels.shape, task.world.chosen.dtype)
+    begin = Sums((zero, zero, zero), (zero, zero, zero), jnp.zeros(pixels.shape, jnp.int32))
 
     def one_more(done: jax.Array, sums: Sums) -> Sums:
-        radiance, rays = _sample(task, pixels, (task.first + done).astype(jnp.uint32), dtype)
+        radiance, rays = _sample(task, pixels, (task.first + done).astype(jnp.uint32))
         # Welford's update: no digits are lost where the samples are nearly alike
-        share = 1 / (done + 1).astype(dtype)
-        mean = tuple(m + (r - m) * share for m, r in zip(sums.mean, radiance, strict=True))
-        spread = tuple(
-            s + (r - before) * (r - after)
-            for s, r, before, after in zip(sums.spread, radiance, sums.mean, mean, strict=True)
+        share = 1 / (done + 1).astype(zero.dtype)
+        mean = jax.tree.map(lambda m, r: m + (r - m) * share, sums.mean, radiance)
+        spread = jax.tree.map(
+            lambda s, r, before, after: s + (r - before) * (r - after), sums.spread, radiance, sums.mean, mean
         )
-        return Sums(mean, spread, sums.rays + rays)  # type: ignore[arg-type]
+        return Sums(mean, spread, sums.rays + rays)
 
     return lax.fori_loop(0, task.count, one_more, begin)
 
 
-def _sample(task: Task, pixels: jax.Array, sample: jax.Array, dtype: Any) -> tuple[Colour, jax.Array]:
+def _sample(task: Task, pixels: jax.Array, sample: jax.Array) -> tuple[Colour, jax.Array]:
     """Radiance of one sample of each pixel, and rays traced."""
+    dtype = task.world.chosen.dtype
     draws = Draws(pixels, jnp.broadcast_to(sample, pixels.shape), task.key, task.sampler)
     across, down, u, v = draws.four(PIXEL, dtype)
-    column = (pixels % task.width).astype(jnp.int32).astype(dtype) + across
-    row = (pixels // task.width).astype(jnp.int32).astype(dtype) + down
-    width, height = (each.astype(jnp.int32).astype(dtype) for each in (task.width, task.height))
+    column, row = _whole(pixels % task.width, dtype) + across, _whole(pixels // task.width, dtype) + down
+    width, height = _whole(task.width, dtype), _whole(task.height, dtype)
     half = jnp.minimum(width, height)
-    seen = task.camera.rays((2 * column - width) / half, (height - 2 * row) / half, u, v, None)
-    ray = SceneRay(seen.point, seen.direction, nowhere(pixels))
-    radiance, rays = path(task.world, ray, draws, task.depth, jnp.asarray(False))
-    return scaled(radiance, seen.weight), rays
+    moment = um = None
+    colour = (jnp.ones_like(u),) * 3
+    if task.world.moves or task.world.disperses or task.camera.disperses:
+        time, wave, *_ = draws.four(MOMENT, dtype)
+        moment = time - 0.5 if task.world.moves else None
+        if task.world.disperses or task.camera.disperses:
+            um, colour = sampled_wavelength(wave)
+    seen = task.camera.rays((2 * column - width) / half, (height - 2 * row) / half, u, v, um)
+    ray = SceneRay(seen.point, seen.direction, nowhere(pixels), moment, um)
+    radiance, rays = task.method.radiance(task.world, ray, draws)
+    return times(scaled(radiance, seen.weight), colour), rays
+
+
+def _whole(number: jax.Array, dtype: Any) -> jax.Array:
+    # signed integers convert in one instruction
+    return number.astype(jnp.int32).astype(dtype)

@@ -25,10 +25,14 @@ def light_sample(world: World, point: Vector, u: jax.Array, v: jax.Array, w: jax
     return found._replace(arriving=scaled(found.arriving, 1 / chance), density=found.density * chance)
 
 
-def lighting(world: World, number: jax.Array | int, point: Vector) -> Lighting:
-    """Of one light, for methods that know no size of lights: the middle of an area light stands for the whole of it."""
+def lighting(
+    world: World, number: jax.Array, point: Vector, spread: tuple[jax.Array, jax.Array] | None = None
+) -> Lighting:
+    """Of one light. spread: two numbers in [0, 1) for a point of an area light; None: its middle, for all of it."""
     middle = jnp.full_like(point[0], 0.5)
-    return _of_light(world, jnp.broadcast_to(jnp.asarray(number, jnp.int32), middle.shape), point, middle, middle, middle)
+    u, v = (middle, middle) if spread is None else spread
+    assert world.lights is not None
+    return world.lights.chosen(jnp.broadcast_to(number, middle.shape), lambda light: light.toward(point, u, v))
 
 
 def emitted(

@@ -32,12 +32,6 @@ class SceneRay:
         return SceneRay(point, direction, start, self.moment, self.um)
 
 
-def along(point: Vector, direction: Vector, distance: jax.Array) -> Vector:
-    """The point at a distance."""
-    x, y, z = (p + distance * d for p, d in zip(point, direction, strict=True))
-    return x, y, z
-
-
 def nowhere(like: jax.Array) -> jax.Array:
     """NOWHERE, for rays of the shape of an array."""
     return jnp.full(like.shape, NOWHERE, jnp.int32)

@@ -11,7 +11,7 @@ from lenstrace.optics.vectors import Vector, dot
 from lenstrace.scene.colours import Colour
 from lenstrace.scene.hits import Hit
 from lenstrace.scene.materials.frame import to_global, to_local
-from lenstrace.scene.materials.place import Place
+from lenstrace.scene.materials.material import Place
 from lenstrace.scene.rays import SceneRay
 from lenstrace.scene.world import World
 
@@ -64,3 +64,16 @@ def scattered(world: World, surface: Surface, direction: Vector) -> tuple[Colour
     return world.materials.chosen(
         surface.material, lambda material: material.evaluate(surface.place, surface.outgoing, incoming)
     )
+
+
+def branches(world: World, surface: Surface, gloss: tuple[jax.Array, jax.Array] | None) -> tuple[Scattered, Scattered]:
+    """The ray that a surface reflects and the one it lets through, each with its share of the light; 0 for none.
+
+    gloss: two numbers in [0, 1) for a direction of a rough material; None: it is taken for a smooth one.
+    """
+    ways = world.materials.chosen(
+        surface.material, lambda material: material.branches(surface.place, surface.outgoing, gloss)
+    )
+    sure = jnp.full_like(surface.outgoing[2], jnp.inf)
+    mirrored, refracted = (Scattered(to_global(surface.normal, way), weight, sure) for way, weight in ways)
+    return mirrored, refracted

@@ -60,3 +60,23 @@ class World:
     lights: Stack | None
     chosen: jax.Array
     environment: Environment | None
+
+    @property
+    def mirrors(self) -> bool:
+        """Whether any material sends a ray of its own on."""
+        return any(kind.sends[0] for kind in self.materials.kinds)
+
+    @property
+    def refracts(self) -> bool:
+        """Whether any material sends two."""
+        return any(kind.sends[1] for kind in self.materials.kinds)
+
+    @property
+    def moves(self) -> bool:
+        """Whether any primitive moves while the shutter is open."""
+        return any(kind.frame is not None and kind.frame.motion is not None for kind in self.primitives.kinds)
+
+    @property
+    def disperses(self) -> bool:
+        """Whether the wavelength makes a difference to any material."""
+        return any(kind.disperses for kind in self.materials.kinds)

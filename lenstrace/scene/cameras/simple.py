@@ -5,6 +5,8 @@ A place in the picture is x to the right and y up, both in half the picture's sh
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import jax
 import jax.numpy as jnp
 
@@ -17,6 +19,7 @@ from lenstrace.scene.cameras.view import CameraRay, View, on_disk
 class Pinhole:
     """All lines of sight through one point. field_of_view: degrees across the shorter side of the picture."""
 
+    disperses: ClassVar[bool] = False
     view: View
     field_of_view: jax.Array
 
@@ -37,6 +40,7 @@ class ThinLens:
     of the scene; f_number: f over the diameter of the opening. The film stands b = f s / (s - f) behind the lens.
     """
 
+    disperses: ClassVar[bool] = False
     view: View
     focal_length: jax.Array
     f_number: jax.Array
@@ -72,6 +76,7 @@ class ThinLens:
 class Orthographic:
     """Parallel lines of sight. height: the shorter side of what is seen, a length of the scene."""
 
+    disperses: ClassVar[bool] = False
     view: View
     height: jax.Array
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -28,7 +28,7 @@ class View:
 
     position: Vector
     target: Vector
-    up: Vector
+    up: Any = (0.0, 1.0, 0.0)
 
     @property
     def axes(self) -> tuple[Vector, Vector, Vector]:

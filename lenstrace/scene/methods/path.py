@@ -10,12 +10,13 @@ Computer Graphics 24 (4), 63 (1990).
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 from jax import lax
 
+from lenstrace.compute.pytree import pytree
 from lenstrace.optics.vectors import dot
 from lenstrace.scene.colours import Colour, largest, plus, scaled, times
 from lenstrace.scene.draws import FIRST_BOUNCE, LIGHT, PER_BOUNCE, SCATTER, Draws, Four
@@ -41,36 +42,33 @@ class _Walk(NamedTuple):
     rays: jax.Array
 
 
-def path(world: World, ray: SceneRay, draws: Draws, depth: jax.Array, roulette: jax.Array) -> tuple[Colour, jax.Array]:
-    """Radiance along rays, and how many rays were traced for each.
+@pytree
+class Path:
+    """depth: segments of a walk at most, 1 for what shines itself.     roulette: whether walks may end by chance."""
 
-    depth: segments of a walk, 1 for what shines itself.    roulette: whether walks may end by chance.
-    """
-    dtype = ray.point[0].dtype
-    one = jnp.ones_like(ray.point[0])
-    begin = _Walk(
-        ray,
-        (one, one, one),
-        (0 * one, 0 * one, 0 * one),
-        jnp.ones(one.shape, bool),
-        jnp.full_like(one, jnp.inf),
-        jnp.zeros(one.shape, jnp.int32),
-    )
+    depth: jax.Array
+    roulette: jax.Array
 
-    def goes_on(state: tuple[_Walk, jax.Array]) -> jax.Array:
-        walk, segment = state
-        return (segment < depth) & jnp.any(walk.alive)
+    def radiance(self, world: World, ray: SceneRay, draws: Draws) -> tuple[Colour, jax.Array]:
+        """Along rays, and how many rays were traced for each."""
+        one = jnp.ones_like(ray.point[0])
+        black = 0 * one, 0 * one, 0 * one
+        here, none = jnp.ones(one.shape, bool), jnp.zeros(one.shape, jnp.int32)
+        begin = _Walk(ray, (one, one, one), black, here, jnp.full_like(one, jnp.inf), none)
 
-    def step(state: tuple[_Walk, jax.Array]) -> tuple[_Walk, jax.Array]:
-        walk, segment = state
-        purpose = FIRST_BOUNCE + PER_BOUNCE * segment
-        for_light, for_way = (draws.four(purpose + each, dtype) for each in (LIGHT, SCATTER))
-        return _segment(world, walk, segment + 1 < depth, (segment + 1 >= ROULETTE_FROM) & roulette, for_light, for_way), (
-            segment + 1
-        )
+        def goes_on(state: tuple[_Walk, jax.Array]) -> jax.Array:
+            walk, segment = state
+            return (segment < self.depth) & jnp.any(walk.alive)
 
-    walk, _ = lax.while_loop(goes_on, step, (begin, jnp.asarray(0, jnp.int32)))
-    return walk.radiance, walk.rays
+        def step(state: tuple[_Walk, jax.Array]) -> tuple[_Walk, jax.Array]:
+            walk, segment = state
+            purpose, after = FIRST_BOUNCE + PER_BOUNCE * segment, segment + 1
+            for_light, for_way = (draws.four(purpose + each, one.dtype) for each in (LIGHT, SCATTER))
+            chance = (after >= ROULETTE_FROM) & self.roulette
+            return _segment(world, walk, after < self.depth, chance, for_light, for_way), after
+
+        walk, _ = lax.while_loop(goes_on, step, (begin, jnp.asarray(0, jnp.int32)))
+        return walk.radiance, walk.rays
 
 
 def _segment(world: World, walk: _Walk, further: jax.Array, chance: jax.Array, for_light: Four, for_way: Four) -> _Walk:
@@ -120,6 +118,3 @@ def _share(density: jax.Array, other: jax.Array) -> jax.Array:
     sure = jnp.isinf(density)
     ratio = other / jnp.where(sure | (density == 0), 1, density)
     return jnp.where(sure, 1, 1 / (1 + ratio * ratio))
-
-
-Method = Any

@@ -99,28 +99,26 @@ def embree(triangles: Triangle) -> Embree:
 
 def _ask(search: Embree, primitives: Any, ray: SceneRay, limit: jax.Array) -> tuple[jax.Array, jax.Array]:
     """Place of the nearest triangle among the stacked ones, -1 for none, and the distance to it as Embree has it."""
-    first = primitives.number[0]
-    start = jnp.where(ray.start >= first, ray.start - first, NOWHERE)
-    rays = jnp.stack([each.astype(jnp.float32) for each in (*ray.point, *ray.direction)], -1)
+    start = jnp.where(ray.start >= primitives.number[0], ray.start - primitives.number[0], NOWHERE)
+    point, direction = (jnp.stack([a.astype(jnp.float32) for a in vector], -1) for vector in (ray.point, ray.direction))
     results = jax.ShapeDtypeStruct(start.shape, np.int32), jax.ShapeDtypeStruct(start.shape, np.float32)
-    return jax.pure_callback(
-        _answer, results, search.number, rays, start.astype(jnp.int32), limit.astype(jnp.float32), vmap_method="broadcast_all"
-    )
+    asked = search.number, point, direction, limit.astype(jnp.float32), start.astype(jnp.int32)
+    return jax.pure_callback(_answer, results, *asked, vmap_method="broadcast_all")
 
 
-def _answer(number: Any, rays: Any, start: Any, limit: Any) -> tuple[np.ndarray, np.ndarray]:
-    """For the callback: rays (..., 6), start and limit (...)."""
+def _answer(number: Any, point: Any, direction: Any, limit: Any, start: Any) -> tuple[np.ndarray, np.ndarray]:
+    """For the callback: point and direction (..., 3), limit and start (...)."""
     scene = _handles[int(np.asarray(number).flat[0])].scene
     shape = np.shape(start)
-    rays = np.asarray(rays).reshape(-1, 6)
-    start, limit = (np.asarray(each).reshape(-1) for each in (start, limit))
-    place, distance = np.empty(len(rays), np.int32), np.empty(len(rays), np.float32)
+    point, direction = (np.asarray(each).reshape(-1, 3) for each in (point, direction))
+    limit, start = (np.asarray(each).reshape(-1) for each in (limit, start))
+    place, distance = np.empty(start.shape, np.int32), np.empty(start.shape, np.float32)
 
     def share(begin: int) -> None:
         part = slice(begin, begin + CHUNK)
-        place[part], distance[part] = _nearest(scene, rays[part], start[part], limit[part])
+        place[part], distance[part] = _nearest(scene, point[part], direction[part], limit[part], start[part])
 
-    begins = range(0, len(rays), CHUNK)
+    begins = range(0, len(start), CHUNK)
     if len(begins) > 1:
         list(_threads().map(share, begins))
     elif len(begins):
@@ -128,29 +126,32 @@ def _answer(number: Any, rays: Any, start: Any, limit: Any) -> tuple[np.ndarray,
     return place.reshape(shape), distance.reshape(shape)
 
 
-def _nearest(scene: Any, rays: np.ndarray, start: np.ndarray, limit: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Of rays (N, 6). One that meets where it begins goes on behind that; one of no length is not asked about."""
-    place, distance = np.full(len(rays), -1, np.int32), np.full(len(rays), np.inf, np.float32)
+def _nearest(
+    scene: Any, point: np.ndarray, direction: np.ndarray, limit: np.ndarray, start: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Of rays (N, 3). One that meets where it begins goes on behind that; one of no length is not asked about."""
     asked = np.flatnonzero(limit > 0)
-    point, direction = rays[asked, :3], rays[asked, 3:]
-    gone = np.zeros(len(asked), np.float32)
-    for _ in range(1 + TRIES):
-        found, far = _rays(scene, point, direction, limit[asked] - gone)
-        place[asked], distance[asked] = found, gone + far
-        again = (found >= 0) & (found == start[asked])
-        if not again.any():
+    if len(asked) < len(limit):
+        place, distance = np.full(len(limit), -1, np.int32), np.zeros(len(limit), np.float32)
+        if len(asked):
+            place[asked], distance[asked] = _nearest(scene, point[asked], direction[asked], limit[asked], start[asked])
+        return place, distance
+    place, distance = _rays(scene, point, direction, limit)
+    for _ in range(TRIES):
+        again = np.flatnonzero((place >= 0) & (place == start))
+        if not len(again):
             return place, distance
-        size = np.abs(point[again]).max(-1) + far[again]
-        gone = gone[again] + far[again] + SHORT * EPSILON * size
-        asked, direction = asked[again], direction[again]
-        point = rays[asked, :3] + gone[:, None] * direction
-    place[asked] = -1
+        gone = distance[again] + SHORT * EPSILON * (np.abs(point[again]).max(-1) + distance[again])
+        onward = point[again] + gone[:, None] * direction[again]
+        place[again], further = _rays(scene, onward, direction[again], limit[again] - gone)
+        distance[again] = gone + further
+    place[place == start] = -1
     return place, distance
 
 
 def _rays(scene: Any, point: np.ndarray, direction: np.ndarray, limit: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Numbers of the triangles and distances; Embree writes on the limits that it is given."""
-    answer = scene.run(np.ascontiguousarray(point), np.ascontiguousarray(direction), limit.copy(), output=True)
+    answer = scene.run(point, direction, limit.copy(), output=True)
     return answer["primID"], answer["tfar"]
 
 

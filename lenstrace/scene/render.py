@@ -1,0 +1,168 @@
+"""Pictures of a scene: its pixels in batches, their samples in passes, until there are enough, or time is up."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import math
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from lenstrace.compute.blocks import each
+from lenstrace.errors import SceneError
+from lenstrace.scene.build import world_of
+from lenstrace.scene.draws import Sampler
+from lenstrace.scene.lanes import Sums, Task, samples_of
+from lenstrace.scene.methods.method import method_of
+from lenstrace.scene.objects import Scene
+from lenstrace.scene.picture import Picture
+from lenstrace.scene.tally import Tally
+
+# Pixels of a thread's share, and of a call; samples of a pixel in one call at most, and where nothing is said.
+CHUNK, BATCH, PASS = 1 << 11, 1 << 15, 16
+SIZE = (256, 256)
+
+
+@dataclasses.dataclass(frozen=True)
+class Progress:
+    """done: share of the work, 0 to 1; None where only noise ends it.      samples: of each pixel so far.
+    rays_per_second: without compilation.      noise: of the last whole pass, see `Picture`; inf before two samples.
+    seconds_left: by what was done so far; None where that is not known."""
+
+    done: float | None
+    samples: float
+    rays_per_second: float
+    noise: float
+    seconds_left: float | None
+
+
+def render(
+    scene: Scene,
+    camera: Any,
+    *,
+    size: tuple[int, int] = SIZE,
+    method: str = "path",
+    samples: int | None = None,
+    depth: int | None = None,
+    threshold: float | None = None,
+    key: int | jax.Array = 0,
+    sampler: str = "independent",
+    seconds: float | None = None,
+    noise: float | None = None,
+    dtype: Any = np.float32,
+    progress: Callable[[Progress], None] | None = None,
+) -> Picture:
+    """The picture of a scene.
+
+    size:       width and height, pixels.
+    method:     "cast", "whitted", "distributed" or "path".
+    samples:    of each pixel; 16, or as many as `seconds` and `noise` allow where one of them is given.
+    depth:      longest chain of rays from the eye; None: 128 for trees; for paths 16, and chance ends most before.
+    threshold:  share of the light below which a tree of rays ends; None: 1/255.
+    key:        of the random numbers, a whole number or a key of `jax.random`; the same key gives the same picture.
+    sampler:    "independent", whose standard error is true, or "sobol", which is less noisy than it says.
+    seconds, noise:  stop after this time, at this `Picture.noise`.
+    dtype:      precision, float32 or float64.
+    progress:   called after every batch of pixels.
+    Ctrl-C ends the work with the picture so far. SceneError for what cannot be rendered.
+    """
+    _check(size, samples, seconds, noise)
+    if sampler not in [each.value for each in Sampler]:
+        raise SceneError(f"sampler: unknown {sampler!r}; one of {', '.join(each.value for each in Sampler)}")
+    limit = PASS if samples is None and seconds is None and noise is None else samples
+    unsigned = [jnp.asarray(number, jnp.uint32) for number in (*size, _word(key))]
+    nothing = jnp.asarray(0, jnp.int32)
+    task = Task(
+        *(world_of(scene, dtype), jax.tree.map(lambda a: jnp.asarray(a, dtype), camera)),
+        *(method_of(method, depth, threshold, dtype), *unsigned, nothing, nothing, Sampler(sampler)),
+    )
+    pixels = size[0] * size[1]
+    batch = min(BATCH, -(-pixels // (2 * CHUNK)) * 2 * CHUNK)
+    tally = Tally(pixels, dtype)
+    begin = time.perf_counter()
+    # no samples, but the program is there
+    jax.block_until_ready(_run(task, 0, batch, pixels, 0, 0))
+    start = time.perf_counter()
+    interrupted = False
+    try:
+        for now in _work(task, tally, batch, limit, noise):
+            spent = time.perf_counter() - start
+            if progress is not None:
+                progress(_progress(tally, now, limit, seconds, spent))
+            if seconds is not None and spent >= seconds:
+                break
+    except KeyboardInterrupt:
+        interrupted = True
+    shape = size[1], size[0]
+    return Picture(
+        tally.mean.reshape(*shape, 3),
+        tally.standard_error().reshape(*shape, 3),
+        *(tally.count.reshape(shape), tally.rays, time.perf_counter() - start, start - begin, interrupted),
+    )
+
+
+def _work(task: Task, tally: Tally, batch: int, limit: int | None, noise: float | None) -> Iterator[float]:
+    """Take samples, a pass over all batches after the other; gives the noise of the last pass after each batch."""
+    pixels = len(tally.count)
+    first, now = 0, math.inf
+    for number in _passes(limit):
+        for pixel in range(0, pixels, batch):
+            sums = _run(task, pixel, batch, pixels, first, number)
+            size = min(batch, pixels - pixel)
+            mean, spread = (np.stack([np.asarray(c) for c in colour], -1)[:size] for colour in (sums.mean, sums.spread))
+            rays = int(np.sum(np.asarray(sums.rays)[:size], dtype=np.int64))
+            tally.add(pixel, mean, spread, number, rays)
+            yield now
+        first, now = first + number, tally.noise()
+        if noise is not None and now <= noise:
+            return
+
+
+def _run(task: Task, pixel: int, batch: int, pixels: int, first: int, number: int) -> Sums:
+    """Samples of a batch of pixels; those beyond the last repeat it."""
+    numbers = np.minimum(np.arange(pixel, pixel + batch), pixels - 1).astype(np.uint32)
+    counted = {"first": jnp.asarray(first, jnp.int32), "count": jnp.asarray(number, jnp.int32)}
+    return each(samples_of, dataclasses.replace(task, **counted), numbers, CHUNK)
+
+
+def _passes(limit: int | None) -> Iterator[int]:
+    """Samples of each pass: few at first, so that there is soon a picture and an error."""
+    done = 0
+    for number in itertools.chain((1, 1, 2, 4, 8), itertools.repeat(PASS)):
+        number = number if limit is None else min(number, limit - done)
+        if number < 1:
+            return
+        yield number
+        done += number
+
+
+def _progress(tally: Tally, noise: float, limit: int | None, seconds: float | None, spent: float) -> Progress:
+    samples = float(np.mean(tally.count))
+    shares = [samples / limit] if limit is not None else []
+    shares += [spent / seconds] if seconds is not None else []
+    done = min(1.0, max(shares)) if shares else None
+    left = spent * (1 - done) / done if done else None
+    return Progress(done, samples, tally.rays / spent, noise, left)
+
+
+def _word(key: int | jax.Array) -> int:
+    """32 bits of a key."""
+    if isinstance(key, int):
+        return key % 2**32
+    words = np.asarray(jax.random.key_data(key), np.uint32).ravel()
+    return int(np.bitwise_xor.reduce(words * np.arange(1, 2 * len(words), 2, dtype=np.uint32)))
+
+
+def _check(size: tuple[int, int], samples: int | None, seconds: float | None, noise: float | None) -> None:
+    if min(size) < 1:
+        raise SceneError(f"size: width and height must be at least 1 pixel, got {size[0]}x{size[1]}")
+    if samples is not None and samples < 1:
+        raise SceneError(f"samples: at least 1 for each pixel, got {samples}")
+    for name, value in (("seconds", seconds), ("noise", noise)):
+        if value is not None and not value > 0:
+            raise SceneError(f"{name}: must be positive, got {value}")

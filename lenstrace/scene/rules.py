@@ -1,0 +1,161 @@
+"""What a scene must obey to be one: every broken rule is one clear line."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from lenstrace.errors import LensTraceError, SceneError
+from lenstrace.optics.glasses import glass
+from lenstrace.optics.media import Medium
+from lenstrace.optics.shapes.box import Box
+from lenstrace.optics.shapes.cylinder import Cylinder
+from lenstrace.optics.shapes.disk import Disk
+from lenstrace.optics.shapes.rectangle import Rectangle
+from lenstrace.optics.shapes.sphere import Sphere
+from lenstrace.optics.shapes.triangle import Triangle
+from lenstrace.scene.cameras.simple import Orthographic, Pinhole, ThinLens
+from lenstrace.scene.cameras.view import View
+from lenstrace.scene.dispersion import FlatIndex, fitted
+from lenstrace.scene.lights.delta import DistantLight, PointLight
+from lenstrace.scene.materials.blinn_phong import BlinnPhong
+from lenstrace.scene.materials.dielectric import Dielectric
+from lenstrace.scene.materials.diffuse import Diffuse
+from lenstrace.scene.materials.mirror import Mirror
+from lenstrace.scene.materials.rough_conductor import RoughConductor
+from lenstrace.scene.materials.rough_dielectric import RoughDielectric
+from lenstrace.scene.materials.texture import Checker
+
+# Below it the highlights of float32 would be lost to rounding.
+SMOOTHEST = 1e-3
+
+Rule = Callable[[Any], Any]
+
+
+def number(value: Any) -> float:
+    """A finite number."""
+    if isinstance(value, bool) or not isinstance(value, int | float | np.floating | np.integer):
+        raise SceneError(f"must be a number, got {value!r}")
+    if not math.isfinite(value):
+        raise SceneError(f"must be finite, got {value}")
+    return float(value)
+
+
+def positive(value: Any) -> float:
+    """A number above 0."""
+    if not number(value) > 0:
+        raise SceneError(f"must be positive, got {value}")
+    return float(value)
+
+
+def extent(value: Any) -> float:
+    """A number above 0, or inf."""
+    return math.inf if value == math.inf else positive(value)
+
+
+def not_negative(value: Any) -> float:
+    """A number, 0 or above."""
+    if number(value) < 0:
+        raise SceneError(f"must not be negative, got {value}")
+    return float(value)
+
+
+def share(value: Any) -> float:
+    """A number from 0 to 1."""
+    if not 0 <= number(value) <= 1:
+        raise SceneError(f"must be from 0 to 1, a surface gives back no more light than it gets; got {value}")
+    return float(value)
+
+
+def roughness(value: Any) -> float:
+    """From SMOOTHEST to 1."""
+    if not SMOOTHEST <= number(value) <= 1:
+        raise SceneError(f"must be from {SMOOTHEST:g} (polished; below it take a smooth material) to 1, got {value}")
+    return float(value)
+
+
+def index(value: Any) -> Any:
+    """A refractive index: a number, the name of a glass, or a medium."""
+    if isinstance(value, str):
+        return fitted(glass(value))
+    if isinstance(value, FlatIndex) or hasattr(value, "coefficients"):
+        return value
+    if not isinstance(value, bool | int | float | np.floating | np.integer):
+        return fitted(value)
+    if not number(value) >= 1:
+        raise SceneError(f"must be at least 1 in a scene, got {value}")
+    return FlatIndex(float(value))
+
+
+def vector(value: Any) -> tuple[float, float, float]:
+    """Three finite numbers."""
+    return _three(value, number)
+
+
+def colour(value: Any) -> tuple[float, float, float]:
+    """Linear RGB, not negative; one number for grey."""
+    return _three(value, not_negative)
+
+
+def coating(value: Any) -> Any:
+    """What part of the light goes on: RGB from 0 to 1, one number for grey, or a texture."""
+    return checked(value) if isinstance(value, Checker) else _three(value, share)
+
+
+def _three(value: Any, rule: Rule) -> tuple[float, float, float]:
+    if np.ndim(value) == 0 and rule is not number:
+        value = (value,) * 3
+    if np.ndim(value) != 1 or len(value) != 3:
+        raise SceneError(f"must be three numbers, got {value!r}")
+    x, y, z = (rule(each) for each in value)
+    return x, y, z
+
+
+def _view(value: Any) -> View:
+    if not isinstance(value, View):
+        raise SceneError(f"must be a View(position, target, up), got {value!r}")
+    return checked(value)
+
+
+RULES: Mapping[type, Mapping[str, Rule]] = {
+    Sphere: {"radius": positive},
+    Rectangle: {"half_x": extent, "half_y": extent},
+    Disk: {"radius": extent, "hole": not_negative},
+    Box: {"half_x": positive, "half_y": positive, "half_z": positive},
+    Cylinder: {"radius": positive, "half_length": positive},
+    Triangle: {"a": vector, "b": vector, "c": vector},
+    Diffuse: {"albedo": coating},
+    Mirror: {"reflectance": coating},
+    BlinnPhong: {"diffuse": coating, "specular": coating, "exponent": not_negative},
+    Dielectric: {"index": index, "outside": index},
+    RoughDielectric: {"index": index, "outside": index, "roughness": roughness},
+    RoughConductor: {"eta": colour, "k": colour, "roughness": roughness},
+    Checker: {"even": coating, "odd": coating, "size": positive, "origin": vector},
+    PointLight: {"position": vector, "intensity": colour},
+    DistantLight: {"direction": vector, "irradiance": colour},
+    View: {"position": vector, "target": vector, "up": vector},
+    Pinhole: {"view": _view, "field_of_view": positive},
+    ThinLens: {"view": _view, "focal_length": positive, "f_number": positive, "focus": positive, "film": positive},
+    Orthographic: {"view": _view, "height": positive},
+}
+
+
+def checked(thing: Any, of: tuple[type, ...] = ()) -> Any:
+    """The thing with its numbers checked, and made those of a program. SceneError: which number, what it must be.
+
+    of: the kinds that are meant here, where only some are.
+    """
+    kinds = of or tuple(RULES)
+    if type(thing) not in kinds or type(thing) not in RULES:
+        raise SceneError(f"must be one of {', '.join(kind.__name__ for kind in kinds)}; got {thing!r}")
+    made = {}
+    for name, rule in RULES[type(thing)].items():
+        try:
+            made[name] = rule(getattr(thing, name))
+        except LensTraceError as error:
+            raise type(error)(f"{type(thing).__name__}: {name} {error}") from None
+    return dataclasses.replace(thing, **made)
