@@ -1,8 +1,8 @@
 """Formulas that a person writes, as functions of named numbers: arithmetic and a few functions, nothing else.
 
-    >>> height = formula("a * cos(2 * pi * x) + y^2", ("x", "y"), {"a": 3})
-    >>> float(height(0.5, 2.0))
-    1.0
+>>> height = formula("a * cos(2 * pi * x) + y^2", ("x", "y"), {"a": 3})
+>>> float(height(0.5, 2.0))
+1.0
 """
 
 from __future__ import annotations
@@ -22,7 +22,9 @@ from lenstrace.errors import SceneError
 
 # What may be called, by the name in a formula: its name in numpy and JAX, and how many numbers it takes.
 FUNCTIONS: Mapping[str, tuple[str, int]] = {
-    **{name: (name, 1) for name in ("sin", "cos", "tan", "sinh", "cosh", "tanh", "exp", "log", "sqrt", "sign", "floor")},
+    **{
+        name: (name, 1) for name in ("sin", "cos", "tan", "sinh", "cosh", "tanh", "exp", "log", "sqrt", "sign", "floor")
+    },
     **{"abs": ("abs", 1), "asin": ("arcsin", 1), "acos": ("arccos", 1), "atan": ("arctan", 1), "atan2": ("arctan2", 2)},
     **{"hypot": ("hypot", 2), "min": ("minimum", 2), "max": ("maximum", 2), "where": ("where", 3)},
 }
@@ -60,7 +62,7 @@ class Formula:
         return self.evaluate(jnp if any(isinstance(value, jax.Array) for value in values) else np, *values)
 
     def evaluate(self, library: Any, *values: Any) -> Any:
-        """Its value, with functions of a library that has those of `FUNCTIONS`, of anything that computes like numbers."""
+        """Its value, of anything that computes like numbers, with a library that has the functions of `FUNCTIONS`."""
         return _value(self.tree, library, dict(zip(self.names, values, strict=True)))
 
 
@@ -111,10 +113,12 @@ def _checked(node: ast.AST, text: str, names: tuple[str, ...], known: Mapping[st
             if len(arguments) != count:
                 raise SceneError(f"formula {text!r}: {name} takes {count} numbers, got {len(arguments)}")
             return function, *map(part, arguments)
-        case ast.Call(func=ast.Name(id=name)):
+        case ast.Call(func=ast.Name(id=name)) if name not in FUNCTIONS:
             raise SceneError(f"formula {text!r}: unknown function {name!r}; it may use {', '.join(FUNCTIONS)}")
     found = ast.get_source_segment(text.replace("^", "**").strip(), node) or type(node).__name__  # type: ignore[arg-type]
-    raise SceneError(f"formula {text!r}: {found!r} is not arithmetic; it may hold numbers, names, + - * / ^ and functions")
+    raise SceneError(
+        f"formula {text!r}: {found!r} is not arithmetic; it may hold numbers, names, + - * / ^ and functions"
+    )
 
 
 def _folded(operation: Callable[..., Any], *operands: Any) -> Any:

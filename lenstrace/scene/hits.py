@@ -37,9 +37,12 @@ class Hit(NamedTuple):
     normal: Vector
 
 
-def intersect(world: World, ray: SceneRay) -> Hit:
-    """The nearest primitive along each ray. Derivatives are those of the primitive that is met, not of its outline."""
-    distance, primitive = nearest(*lax.stop_gradient((world, ray)))
+def intersect(world: World, ray: SceneRay, wanted: jax.Array | None = None) -> Hit:
+    """The nearest primitive along each ray. Derivatives are those of the primitive that is met, not of its outline.
+
+    wanted: whether a ray is to be traced at all, which saves the time for those that are not; they meet nothing.
+    """
+    distance, primitive = nearest(*lax.stop_gradient((world, ray)), wanted)
     met = primitive != NOWHERE
     distance = jnp.where(met, distance, 0)
 
@@ -54,9 +57,10 @@ def intersect(world: World, ray: SceneRay) -> Hit:
     return Hit(met, primitive, distance, point, normal)
 
 
-def nearest(world: World, ray: SceneRay) -> tuple[jax.Array, jax.Array]:
-    """Distance to the nearest primitive and its number; inf and NOWHERE where there is none."""
-    best = jnp.full_like(ray.point[0], jnp.inf), jnp.full(ray.start.shape, NOWHERE, jnp.int32)
+def nearest(world: World, ray: SceneRay, wanted: jax.Array | None = None) -> tuple[jax.Array, jax.Array]:
+    """Distance to the nearest primitive and its number; NOWHERE where there is none."""
+    far = jnp.full_like(ray.point[0], jnp.inf)
+    best = far if wanted is None else jnp.where(wanted, far, 0), jnp.full(ray.start.shape, NOWHERE, jnp.int32)
     for kind, search, begun in _kinds(world, ray):
         found = _nearest_of(kind, search, begun, best[0])
         less = found[0] < best[0]

@@ -42,7 +42,9 @@ class Mesh:
         if wrong.any():
             row = int(np.flatnonzero(wrong.any(1))[0])
             last = len(vertices) - 1
-            raise SceneError(f"mesh: face {row} names a vertex that is not there: {faces[row].tolist()}, of 0 to {last}")
+            raise SceneError(
+                f"mesh: face {row} names a vertex that is not there: {faces[row].tolist()}, of 0 to {last}"
+            )
         kept = _doubled_areas(vertices, faces) > 0
         if not kept.any():
             raise SceneError(f"mesh: none of its {len(faces)} triangles has an area")
@@ -95,7 +97,9 @@ class Mesh:
         vertices = (self.vertices @ axes + np.array(position, float)).astype(dtype)
         faces = self.faces[_doubled_areas(vertices, self.faces) > 0]
         if len(faces) == 0:
-            raise SceneError(f"mesh: too small for its place in {np.dtype(dtype)}: none of its triangles has an area there")
+            raise SceneError(
+                f"mesh: too small for its place in {np.dtype(dtype)}: none of its triangles has an area there"
+            )
         a, b, c = (tuple(vertices[faces[:, i]].T) for i in range(3))
         return Triangle(a, b, c)  # type: ignore[arg-type]
 

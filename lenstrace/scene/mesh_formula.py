@@ -41,7 +41,9 @@ class Parametric:
         for name, steps, closed in (("steps_u", steps_u, self.closed_u), ("steps_v", steps_v, self.closed_v)):
             if steps < (3 if closed else 1):
                 raise SceneError(f"mesh: {name} must be at least {3 if closed else 1}, got {steps}")
-        points = self._points(np.arange(steps_u + 1 - self.closed_u) / steps_u, np.arange(steps_v + 1 - self.closed_v) / steps_v)
+        points = self._points(
+            np.arange(steps_u + 1 - self.closed_u) / steps_u, np.arange(steps_v + 1 - self.closed_v) / steps_v
+        )
         if not np.isfinite(points).all():
             i, j = np.argwhere(~np.isfinite(points).all(-1))[0]
             raise SceneError(f"mesh: its formula is not finite at u = {i / steps_u:g}, v = {j / steps_v:g}")
@@ -59,7 +61,9 @@ class Parametric:
         with np.errstate(all="ignore"):
             for name, text in self.define.items():
                 values[name] = formula(text, tuple(values), self.constants)(*values.values())
-            parts = [formula(text, tuple(values), self.constants)(*values.values()) for text in (self.x, self.y, self.z)]
+            parts = [
+                formula(text, tuple(values), self.constants)(*values.values()) for text in (self.x, self.y, self.z)
+            ]
         return np.stack([np.broadcast_to(part, values["u"].shape) for part in parts], -1).astype(float)
 
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -44,7 +45,8 @@ def gathered(stacked: Any, place: jax.Array) -> Any:
     return jax.tree.map(lambda a: a[jnp.clip(place, 0, a.shape[0] - 1)], stacked)
 
 
-class Many(NamedTuple):
+@dataclasses.dataclass(frozen=True)
+class Many:
     """Things that are stacked already: `count` of them, with leaves (count, ...)."""
 
     things: Any
@@ -56,10 +58,9 @@ def stack(things: Sequence[Any], dtype: Any) -> Stack:
     groups: dict[Any, list[tuple[int, int, list[np.ndarray]]]] = {}
     total = 0
     for thing in things:
-        many = isinstance(thing, Many)
-        leaves, structure = jax.tree.flatten(thing.things if many else thing)
-        arrays = [np.asarray(leaf) if many else np.asarray(leaf)[None] for leaf in leaves]
-        count = thing.count if many else 1
+        many = thing if isinstance(thing, Many) else Many(jax.tree.map(lambda a: np.asarray(a)[None], thing), 1)
+        leaves, structure = jax.tree.flatten(many.things)
+        arrays, count = [np.asarray(leaf) for leaf in leaves], many.count
         groups.setdefault((structure, *(array.shape[1:] for array in arrays)), []).append((total, count, arrays))
         total += count
     kind, place = np.zeros((2, total), np.int32)

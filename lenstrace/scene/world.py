@@ -22,7 +22,7 @@ class Primitive:
 
     shape: Any
     frame: Frame | None
-    number: jax.Array
+    number: Any
 
     def local(self, ray: SceneRay) -> tuple[Vector, Vector]:
         """Point and direction of a ray as the shape sees them."""

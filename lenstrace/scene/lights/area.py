@@ -20,8 +20,8 @@ class AreaLight:
 
     shape: Any
     frame: Frame | None
-    radiance: Colour
-    number: jax.Array
+    radiance: Any
+    number: Any
 
     def toward(self, point: Vector, u: jax.Array, v: jax.Array) -> Lighting:
         """From a point of the shape, chosen evenly by its area with u and v in [0, 1).

@@ -8,6 +8,7 @@ Source: I. Wald et al., ACM Transactions on Graphics 33 (4), 143 (2014); "robust
 
 from __future__ import annotations
 
+import collections
 import functools
 import importlib.util
 import itertools
@@ -20,6 +21,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from lenstrace.compute.callback import call_back
 from lenstrace.compute.pytree import pytree, static
 from lenstrace.optics.shapes.shape import touch
 from lenstrace.optics.shapes.triangle import Triangle
@@ -41,6 +43,7 @@ class Handle:
     def __init__(self, scene: Any, number: int) -> None:
         self.scene, self.number = scene, number
         _handles[number] = self
+        _recent.append(self)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Handle)
@@ -52,6 +55,8 @@ class Handle:
 # scenes by the number that their programs are given
 _handles: weakref.WeakValueDictionary[int, Handle] = weakref.WeakValueDictionary()
 _numbers = itertools.count()
+# a program may still run when nobody holds its scene any more
+_recent: collections.deque[Handle] = collections.deque(maxlen=4)
 
 
 @pytree
@@ -63,10 +68,11 @@ class Embree:
 
     def nearest(self, primitives: Any, ray: SceneRay, limit: jax.Array) -> tuple[jax.Array, jax.Array]:
         """Distance to the nearest triangle before `limit`, and its number; inf and NOWHERE where there is none."""
-        place, rough = _ask(self, primitives, ray, limit)
+        place, single = _ask(self, primitives, ray, limit)
+        rough = single.astype(limit.dtype)
         met = place >= 0
         triangle: Triangle = gathered(primitives.shape, place)
-        distance = touch(triangle, ray.point, ray.direction, rough.astype(limit.dtype))
+        distance = touch(triangle, ray.point, ray.direction, rough)
         # along the plane of the triangle its distance is not to be had so
         distance = jnp.where(jnp.isfinite(distance) & (distance > 0), distance, rough)
         met = met & (distance < limit)
@@ -101,9 +107,11 @@ def _ask(search: Embree, primitives: Any, ray: SceneRay, limit: jax.Array) -> tu
     """Place of the nearest triangle among the stacked ones, -1 for none, and the distance to it as Embree has it."""
     start = jnp.where(ray.start >= primitives.number[0], ray.start - primitives.number[0], NOWHERE)
     point, direction = (jnp.stack([a.astype(jnp.float32) for a in vector], -1) for vector in (ray.point, ray.direction))
-    results = jax.ShapeDtypeStruct(start.shape, np.int32), jax.ShapeDtypeStruct(start.shape, np.float32)
-    asked = search.number, point, direction, limit.astype(jnp.float32), start.astype(jnp.int32)
-    return jax.pure_callback(_answer, results, *asked, vmap_method="broadcast_all")
+    place, distance = call_back(
+        *(_answer, (np.int32, np.float32), search.number, point, direction),
+        *(limit.astype(jnp.float32), start.astype(jnp.int32)),
+    )
+    return place, distance
 
 
 def _answer(number: Any, point: Any, direction: Any, limit: Any, start: Any) -> tuple[np.ndarray, np.ndarray]:

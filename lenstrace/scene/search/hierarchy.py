@@ -28,7 +28,7 @@ class Hierarchy:
 
 
 def hierarchy(low: np.ndarray, high: np.ndarray, dtype: np.dtype) -> tuple[Hierarchy, np.ndarray]:
-    """The tree over boxes with corners (K, 3), K more than WIDE, and the order (K,) in which it wants what is in them."""
+    """The tree over boxes with corners (K, 3), K more than WIDE, and the order (K,) that what is in them must have."""
     tree = split(low, high, WIDE)
     node, nodes, levels = np.array([0]), 1, []
     while len(node):
@@ -37,8 +37,9 @@ def hierarchy(low: np.ndarray, high: np.ndarray, dtype: np.dtype) -> tuple[Hiera
         inner = there & (tree.left[children] >= 0)
         number = -1 - (WIDE * tree.first[children] + tree.count[children] - 1)
         number[inner] = nodes + np.arange(inner.sum())
-        below, above = (np.where(there[:, None], np.moveaxis(each[children], -1, 1), np.inf) for each in tree[:2])
-        levels.append((np.concatenate([below, np.where(there[:, None], above, -np.inf)], 1), number))
+        below, above = (np.moveaxis(each[children], -1, 1) for each in (tree.low, tree.high))
+        below, above = np.where(there[:, None], below, np.inf), np.where(there[:, None], above, -np.inf)
+        levels.append((np.concatenate([below, above], 1), number))
         nodes += int(inner.sum())
         node = children[inner]
     boxes, child = (np.concatenate(parts) for parts in zip(*levels, strict=True))
@@ -46,7 +47,7 @@ def hierarchy(low: np.ndarray, high: np.ndarray, dtype: np.dtype) -> tuple[Hiera
 
 
 def _opened(tree: Binary, node: np.ndarray) -> np.ndarray:
-    """WIDE descendants of each node, -1 for none: again and again the largest of them is opened into its two children."""
+    """WIDE descendants of each node, -1 for none: again and again the largest of them gives way to its two children."""
     children = np.full((len(node), WIDE), -1)
     children[:, 0], children[:, 1] = tree.left[node], tree.left[node] + 1
     x, y, z = (tree.high - tree.low).T

@@ -43,7 +43,7 @@ def search(kind: Any, way: Way) -> tuple[Search, np.ndarray | None]:
     bounds = boxes(kind.shape, kind.frame)
     if bounds is None:
         return None, None
-    return hierarchy(*bounds, np.result_type(jax.tree.leaves(kind.shape)[0]))
+    return hierarchy(*bounds, jax.tree.leaves(kind.shape)[0].dtype)
 
 
 def has_callback(searches: tuple[Search, ...]) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+import dataclasses
 
 import numpy as np
 
@@ -10,7 +10,8 @@ import numpy as np
 SLICES = 16
 
 
-class Binary(NamedTuple):
+@dataclasses.dataclass(frozen=True)
+class Binary:
     """A tree: node 0 is its root, a child comes after its parent.
 
     low, high:     corners of the box around each node, (N, 3).
@@ -50,7 +51,8 @@ def split(low: np.ndarray, high: np.ndarray, leaf: int) -> Binary:
         first, count = first[large], count[large]
         if len(first):
             first, count = _halves(low, high, centre, order, first, count)
-    return Binary(*(np.concatenate(parts) for parts in zip(*levels, strict=True)), order)
+    low, high, left, first, count = (np.concatenate(parts) for parts in zip(*levels, strict=True))
+    return Binary(low, high, left, first, count, order)
 
 
 def _around(

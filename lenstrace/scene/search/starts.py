@@ -1,8 +1,8 @@
 """Where a ray begins that leaves a triangle of a mesh: surely on its own side of that triangle and of its neighbours.
 
-The point where a ray has met a triangle is rounded. Near an edge it may lie beyond the neighbour's plane, and a ray that
-leaves it would meet the neighbour from the wrong side, or go out through it. So it is brought back into the triangle,
-by more than the rounding from each edge, and off it to the side that the ray goes to.
+The point where a ray has met a triangle is rounded. Near an edge it may lie beyond the neighbour's plane, and a ray
+that leaves it would meet the neighbour from the wrong side, or go out through it. So it is brought back into the
+triangle, by more than the rounding from each edge, and off it to the side that the ray goes to.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from lenstrace.optics.vectors import Vector, dot
 from lenstrace.scene.rays import SceneRay
 
 # How far, in units of epsilon times the largest coordinate of the triangle.
-LIFT = 8.0
-INSET = 16.0
+LIFT = 4.0
+INSET = 8.0
 
 
 def off_triangle(triangle: Triangle, ray: SceneRay, on: jax.Array, epsilon: float) -> SceneRay:

@@ -46,14 +46,18 @@ def nearest(tree: Hierarchy, primitives: Any, ray: SceneRay, limit: jax.Array) -
     primitives: stacked, in the order of the tree; see `Primitive`.     Of two at one distance the lower number is met.
     """
     nothing = jnp.full_like(ray.start, NOWHERE - 1)
-    distance, primitive = _each(lambda ray, limit, target: _walk(tree, primitives, ray, limit, target, False), ray, limit, nothing)
+    distance, primitive = _each(
+        lambda ray, limit, target: _walk(tree, primitives, ray, limit, target, False), ray, limit, nothing
+    )
     met = primitive != NOWHERE
     return jnp.where(met, distance, jnp.inf), primitive
 
 
 def any_before(tree: Hierarchy, primitives: Any, ray: SceneRay, limit: jax.Array, target: jax.Array) -> jax.Array:
     """Whether any primitive but number `target` stands before the distance `limit`."""
-    _, primitive = _each(lambda ray, limit, target: _walk(tree, primitives, ray, limit, target, True), ray, limit, target)
+    _, primitive = _each(
+        lambda ray, limit, target: _walk(tree, primitives, ray, limit, target, True), ray, limit, target
+    )
     return primitive != NOWHERE
 
 
@@ -75,7 +79,8 @@ def _walk(
     begin = _Way(
         _put(near, zero, entry(zero, limit)),
         jnp.zeros(tree.depth, jnp.int32),
-        zero,
+        # a ray of no length is done before it begins
+        jnp.where(limit > 0, zero, -1),
         limit,
         jnp.asarray(NOWHERE, jnp.int32),
     )
