@@ -37,6 +37,7 @@ from lenstrace.errors import (
     OptionError,
     PrescriptionError,
     RayError,
+    SceneError,
     UnknownGlassError,
     WavelengthError,
 )
@@ -76,6 +77,7 @@ if TYPE_CHECKING:
     from lenstrace.analysis.zernike import fit_zernike
     from lenstrace.design import Optimized, Problem, optimize
     from lenstrace.io.native import dumps, load, loads, save
+    from lenstrace.io.scene import load_scene
     from lenstrace.optics.zernike import zernike
     from lenstrace.plotting.aberrations import plot_seidel
     from lenstrace.plotting.cardinal import plot_first_order
@@ -95,6 +97,7 @@ if TYPE_CHECKING:
     from lenstrace.plotting.layout import plot_layout
     from lenstrace.plotting.mtf import plot_mtf, plot_mtf_field, plot_mtf_through_focus
     from lenstrace.plotting.optimize import plot_optimize
+    from lenstrace.plotting.picture import plot_picture, save_picture
     from lenstrace.plotting.psf import plot_encircled, plot_psf
     from lenstrace.plotting.rays import plot_rays
     from lenstrace.plotting.sliders import explore
@@ -102,6 +105,7 @@ if TYPE_CHECKING:
     from lenstrace.plotting.spots import plot_spots
     from lenstrace.plotting.trade import plot_trade
     from lenstrace.plotting.wavefront import plot_wavefront
+    from lenstrace.scene import Picture, Scene, render
     from lenstrace.sequential.prescription import lens
 
 __version__ = "0.1.0"
@@ -136,6 +140,7 @@ __all__ = [
     "Optimized",
     "OptionError",
     "Overview",
+    "Picture",
     "PrescriptionError",
     "Problem",
     "Psf",
@@ -143,6 +148,8 @@ __all__ = [
     "RayError",
     "RayStatus",
     "Row",
+    "Scene",
+    "SceneError",
     "Seidel",
     "Spots",
     "System",
@@ -170,6 +177,7 @@ __all__ = [
     "layout",
     "lens",
     "load",
+    "load_scene",
     "loads",
     "longitudinal_aberration",
     "mean_square_spot",
@@ -197,6 +205,7 @@ __all__ = [
     "plot_mtf_field",
     "plot_mtf_through_focus",
     "plot_optimize",
+    "plot_picture",
     "plot_psf",
     "plot_rays",
     "plot_seidel",
@@ -209,7 +218,9 @@ __all__ = [
     "psf",
     "ray",
     "relative_illumination",
+    "render",
     "save",
+    "save_picture",
     "seidel",
     "sheet",
     "spot_field",
@@ -226,6 +237,8 @@ __all__ = [
 ]
 
 _IMPORTED_WHEN_USED = {
+    "Picture": "lenstrace.scene",
+    "Scene": "lenstrace.scene",
     "AxialColour": "lenstrace.analysis.colour",
     "BestFocus": "lenstrace.analysis.focus",
     "Distortion": "lenstrace.analysis.distortion",
@@ -260,6 +273,7 @@ _IMPORTED_WHEN_USED = {
     "layout": "lenstrace.analysis.layout",
     "lens": "lenstrace.sequential.prescription",
     "load": "lenstrace.io.native",
+    "load_scene": "lenstrace.io.scene",
     "loads": "lenstrace.io.native",
     "longitudinal_aberration": "lenstrace.analysis.colour",
     "mtf": "lenstrace.analysis.mtf",
@@ -283,6 +297,7 @@ _IMPORTED_WHEN_USED = {
     "plot_mtf_field": "lenstrace.plotting.mtf",
     "plot_mtf_through_focus": "lenstrace.plotting.mtf",
     "plot_optimize": "lenstrace.plotting.optimize",
+    "plot_picture": "lenstrace.plotting.picture",
     "plot_psf": "lenstrace.plotting.psf",
     "plot_rays": "lenstrace.plotting.rays",
     "plot_seidel": "lenstrace.plotting.aberrations",
@@ -294,7 +309,9 @@ _IMPORTED_WHEN_USED = {
     "plot_wavefront": "lenstrace.plotting.wavefront",
     "psf": "lenstrace.analysis.psf",
     "relative_illumination": "lenstrace.analysis.illumination",
+    "render": "lenstrace.scene",
     "save": "lenstrace.io.native",
+    "save_picture": "lenstrace.plotting.picture",
     "seidel": "lenstrace.analysis.aberrations",
     "sheet": "lenstrace.analysis.sheet",
     "spot_field": "lenstrace.analysis.spot_curves",

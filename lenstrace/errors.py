@@ -9,9 +9,9 @@
     |- LostRaysError         a question whose rays all fail
     |- ImageError            a question that needs an image, where the image is at infinity
     |- OptionError           an option of a demonstration out of its range
-    |- CameraError           a lens that takes no such picture: nothing to focus on, nearer than it can, stopped too wide
+    |- CameraError           a lens that takes no such picture: no focus, nearer than it can, stopped too wide
     |- DesignError           an optimization that cannot be posed: no variables, a bound that excludes the start
-    |- SceneError           a scene, a camera or a picture that cannot be: no such shape, a negative roughness
+    |- SceneError            a scene, a camera or a picture that cannot be: no such shape, a negative roughness
     `- AccuracyError         a trade or an accuracy that cannot be had
 
     AccuracyWarning (a UserWarning)  a result less accurate than it looks

@@ -29,9 +29,12 @@ def add_parser(commands: Any) -> None:
     parser.add_argument(
         "--plot", metavar="FILE", help="write the course, and the lens before and after (png, pdf, svg)"
     )
-    parser.add_argument("--method", choices=METHODS, default=METHODS[0], help=f"of the search ({METHODS[0]})")
-    parser.add_argument("--seconds", type=float, metavar="S", help="the best lens found in so many seconds")
-    parser.add_argument("--starts", type=int, metavar="N", help="search from N random starts; the best lens is written")
+    how = parser.add_mutually_exclusive_group()
+    how.add_argument("--method", choices=METHODS, default=METHODS[0], help=f"of the search ({METHODS[0]})")
+    how.add_argument("--starts", type=int, metavar="N", help="search from N random starts; the best lens is written")
+    parser.add_argument(
+        "--seconds", type=float, metavar="S", help="the best lens found in so many seconds; of --starts the best ends"
+    )
     parser.set_defaults(run=run)
 
 

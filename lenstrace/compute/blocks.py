@@ -41,7 +41,7 @@ def each(function: RayFunction, parameters: Any, rays: Any, chunk: int | None = 
                  number of rays). It maps numbers, and arrays of rays, to arrays of rays, every ray by itself.
     parameters:  any pytree.
     rays:        a pytree of arrays of one shape, not empty; `function` sees them as (N,), N at most all.
-    chunk:       rays in the share of a thread, CHUNK where nothing is said; fewer where the function takes long for each.
+    chunk:       rays in the share of a thread, CHUNK else; fewer where the function takes long for each.
     Returns a pytree of arrays whose last axes are the shape of the rays. The derivatives are those of `function`.
     """
     run, chunk = _each(function, is_traced((parameters, rays))), chunk or CHUNK

@@ -6,6 +6,7 @@ from __future__ import annotations
 from typing import Any, ClassVar, Literal
 
 import jax
+import jax.numpy as jnp
 
 from lenstrace.analysis.conditions import conditions_of, with_image
 from lenstrace.compute.pytree import pytree, static
@@ -53,13 +54,13 @@ class BackFocalLength(FirstOrderWant):
 
 @pytree
 class FNumber(FirstOrderWant):
-    """f' over the diameter of the entrance pupil."""
+    """|f'| over the diameter of the entrance pupil."""
 
     unit: ClassVar = ""
 
     def values(self, view: View) -> jax.Array:
-        """f' / D"""
-        return view.first_order.focal_length / (2 * view.pupil_radius)
+        """|f'| / D"""
+        return jnp.abs(view.first_order.focal_length) / (2 * view.pupil_radius)
 
 
 @pytree

@@ -94,7 +94,7 @@ class EdgeThickness(OfGaps):
 
 @pytree
 class TotalTrack(Scalar):
-    """From the first vertex to the image along the axis, mm."""
+    """The place of the image on the axis, from the first vertex, mm."""
 
     unit: ClassVar = "mm"
 
@@ -104,8 +104,8 @@ class TotalTrack(Scalar):
         return ["total track"]
 
     def values(self, view: View) -> jax.Array:
-        """The sum of the thicknesses, each along the light."""
-        return jnp.sum(jnp.asarray(view.system.thickness) * np.array(view.system.orientation[1:], float))
+        """The sum of the thicknesses."""
+        return jnp.sum(jnp.asarray(view.system.thickness))
 
 
 def semi_diameters(view: View) -> jax.Array:

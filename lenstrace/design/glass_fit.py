@@ -99,7 +99,7 @@ def fit_glasses(
         raise DesignError(
             "fit_glasses: nothing but glasses varies, and each swap is to be refined; name a curvature too"
         )
-    model = found = optimize(problem)
+    model = found = _optimized(problem)
     swaps = list[Swap]()
     for surface in surfaces:
         lens = prepared(found.lens, [Place("abbe", surface)])
@@ -112,7 +112,7 @@ def fit_glasses(
                 _ = real.system
             except MediumError:
                 continue  # not known at a wavelength of the lens
-            tried.append((f"{catalog}:{name}", optimize(_without(problem, real, surface))))
+            tried.append((f"{catalog}:{name}", _optimized(_without(problem, real, surface))))
             if progress is not None:
                 progress(len(swaps) * candidates + len(tried), len(surfaces) * candidates)
             if len(tried) == candidates:
@@ -124,6 +124,14 @@ def fit_glasses(
         swaps.append(Swap(surface, nd, vd, merits[0][0], found.merit_after, merits[0][1], merits))
         problem, found = _without(problem, tried[0][1].lens, surface), tried[0][1]
     return GlassFit(found, model, tuple(swaps))
+
+
+def _optimized(problem: Problem) -> Optimized:
+    """As `optimize`; Ctrl-C ends all of it: a search that was broken off says nothing of a glass."""
+    found = optimize(problem)
+    if found.interrupted:
+        raise KeyboardInterrupt
+    return found
 
 
 def _without(problem: Problem, lens: Lens, surface: int) -> Problem:

@@ -7,34 +7,41 @@ and pupil are good loses fewer rays at larger ones.
 from __future__ import annotations
 
 import dataclasses
+import math
+import time
+from collections.abc import Callable
 
 import numpy as np
 
 from lenstrace.design.merit import Merit
 from lenstrace.design.problem import Posed, Start
 from lenstrace.design.pupil_wants import OverPupil
-from lenstrace.design.search import search
+from lenstrace.design.search import Step, search
 
 # Parts of fields and pupil, and how many searches there are at most on the way to all of them.
 PARTS = tuple(0.8**k for k in range(1, 20))
 MOST_SEARCHES = 8
 
 
-def opened(start: Start, seconds: float | None) -> np.ndarray:
-    """Numbers from which a search may begin whose start loses rays; those of the start where nothing helps."""
+def opened(start: Start, deadline: float, progress: Callable[[int, Step], None] | None) -> tuple[np.ndarray, bool]:
+    """Numbers from which a search may begin whose start loses rays, those of the start where nothing helps; and whether
+    Ctrl-C came on the way. deadline: of `time.perf_counter`; progress: see `search`."""
     numbers, before = start.numbers, 0.0
     for _ in range(MOST_SEARCHES):
+        if time.perf_counter() >= deadline:
+            break
         part = next((part for part in (1.0, *PARTS) if not _lost(_part_of(start.posed, part), numbers)), None)
         if part is None or part <= before:
             break
         if part == 1.0:
-            return numbers
+            break
         there = dataclasses.replace(start, posed=_part_of(start.posed, part), numbers=numbers)
-        course = search(Merit(there.posed), there, "least_squares", seconds, None)
-        if course.interrupted:
-            raise KeyboardInterrupt
+        left = deadline - time.perf_counter()
+        course = search(Merit(there.posed), there, "least_squares", left if left < math.inf else None, progress)
         numbers, before = course.numbers, part
-    return numbers
+        if course.interrupted:
+            return numbers, True
+    return numbers, False
 
 
 def _part_of(posed: Posed, part: float) -> Posed:

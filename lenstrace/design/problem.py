@@ -15,7 +15,7 @@ from lenstrace.compute.pytree import is_traced, pytree, static
 from lenstrace.design.places import Place, prepared, read, written
 from lenstrace.design.ties import CurvatureSolve, Pickup, ThicknessSolve, Tie, check_ties, tied
 from lenstrace.design.variables import Variable, limits_by_default, limits_of, places_of
-from lenstrace.design.wants import Want, check_sizes
+from lenstrace.design.wants import Want, sized
 from lenstrace.errors import DesignError
 from lenstrace.optics.made_media import Sampled
 from lenstrace.optics.media import AIR
@@ -123,8 +123,9 @@ def start_of(problem: Problem) -> Start:
             )
     sides = [place for place in bounds if (place.kind, place.part) in (("decenter", 0), ("tilt", 1), ("tilt", 2))]
     mirrored = is_mirrored(lens) and not sides
-    wants = tuple(want.posed(lens, mirrored) for want in problem.want)
-    return Start(lens, Posed(_sampled(lens), wants, ties, tuple(bounds)), numbers, low, high)
+    wants = tuple(sized(want.posed(lens, mirrored), lens) for want in problem.want)
+    um = tuple(dict.fromkeys((*lens.wavelengths.um, *(um for want in wants for um in want.um))))
+    return Start(lens, Posed(_sampled(lens, um), wants, ties, tuple(bounds)), numbers, low, high)
 
 
 def check(start: Start) -> None:
@@ -132,19 +133,19 @@ def check(start: Start) -> None:
     with_pupil(start.lens)
     for want in start.posed.wants:
         want.check(start.lens)
-        check_sizes(want, start.lens)
 
 
-def _sampled(lens: Lens) -> Lens:
-    """With the indices of its catalogue glasses in their place."""
-    um = lens.wavelengths.um
+def _sampled(lens: Lens, um: tuple[float, ...]) -> Lens:
+    """With the indices of its catalogue glasses at some wavelengths in their place, and without what is only said."""
 
     def known(medium: Any) -> Any:
         fixed = not jax.tree.leaves(medium) and medium is not AIR
         return Sampled(tuple(float(medium.index(each)) for each in um), um) if fixed else medium
 
     rows = tuple(dataclasses.replace(row, medium=known(row.medium), glass=None) for row in lens.rows)
-    return dataclasses.replace(lens, rows=rows, object_medium=known(lens.object_medium), name="", source="")
+    return dataclasses.replace(
+        lens, rows=rows, object_medium=known(lens.object_medium), name="", source="", published=()
+    )
 
 
 def _check_ties_hold(lens: Lens, ties: tuple[Tie, ...]) -> None:

@@ -45,6 +45,11 @@ class OfRays(Scalar):
         """Of rays whose path is given, at one surface."""
         raise NotImplementedError
 
+    @property
+    def um(self) -> tuple[float, ...]:
+        """Its wavelength."""
+        return () if self.wavelength is None else (float(self.wavelength),)
+
     def posed(self, lens: Lens, mirrored: bool) -> Want:
         """DesignError for a surface that is none."""
         super().posed(lens, mirrored)
@@ -160,10 +165,11 @@ class RayAngle(OfRays):
         return f"ray angle {self.axis}"
 
     def figure(self, view: View, path: Ray, surface: int) -> jax.Array:
-        """atan of the slope."""
+        """atan of the slope; light that travels toward -z too has angles about 0."""
         _ = view
         across = path.l if self.axis == "x" else path.m
-        return DEGREES * jnp.arctan2(across[surface], path.n[surface])
+        along = path.n[surface]
+        return DEGREES * jnp.arctan2(across[surface] * jnp.where(along < 0, -1, 1), jnp.abs(along))
 
 
 @pytree

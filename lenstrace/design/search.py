@@ -73,6 +73,11 @@ def search(
     return Course(record.best, tuple(record.steps), not stopped, stopped, interrupted)
 
 
+def standing(numbers: np.ndarray, merit: float, seconds: float) -> Course:
+    """The course of a search that Ctrl-C did not let begin: where it would have."""
+    return Course(numbers, (Step(merit, merit, 0.0, seconds),), False, "interrupted", True)
+
+
 class _TimeIsUp(Exception):
     """The time given for a search is over."""
 
@@ -179,7 +184,7 @@ def _lbfgs(record: _Record, start: Start) -> str:
             bounds=low_and_high / unit[:, None],
             options={"maxiter": left, "maxfun": left, "maxcor": 30, "ftol": TOLERANCE**1.5, "gtol": 0.0},
         )
-        if record.steps[-1].best > (1 - SAME_MERIT) * float(residual @ residual):
+        if record.steps[-1].best >= (1 - SAME_MERIT) * float(residual @ residual):
             return ""
         if len(record.steps) >= EVALUATIONS:
             return f"{EVALUATIONS} evaluations were not enough"

@@ -37,9 +37,10 @@ def sensitivity(
     """What errors of construction do to focal lengths and spots, of every curvature, gap, surface position and glass.
 
     tolerances: sizes of the errors; those of `Tolerances` by default.
-    refocus:    the last gap is adjusted for each error, for the least sum of the squares of all spots; else the image
-                surface stays where it is.
+    refocus:    the last gap is adjusted for each error, for the least sum of the squares of what the error does to the
+                rays of all spots; else the image surface stays where it is.
     rings:      of the pupil, hexapolar.
+    Rays that the lens as designed loses do not count. LostRaysError where all of them, or all of one field, are lost;
     DesignError for a lens without a focal length.
     """
     tolerances = tolerances or Tolerances()
@@ -54,8 +55,9 @@ def sensitivity(
     asked = _Asked(whole, want, tuple(each.place for each in errors))
     found = jax.device_get(_slopes(asked, np.zeros(len(errors) + 1)))
     if np.any(found.failure):
-        # what apertures stop in the lens as designed does not count
-        asked = dataclasses.replace(asked, want=want.counting(found.failure))
+        want.counting(found.failure)
+        # what the lens as designed loses does not count
+        asked = dataclasses.replace(asked, want=dataclasses.replace(want, counted=1.0 * (found.failure == 0)))
         found = jax.device_get(_slopes(asked, np.zeros(len(errors) + 1)))
     fields = tuple(field_text(lens, field) for field in range(len(lens.fields.y)))
     return _summed(errors, found, refocus, fields)
@@ -102,8 +104,10 @@ def _errors(lens: Lens, tolerances: Tolerances) -> list[_Error]:
             curved, flat = abs(curvature) * tolerances.radius, 2 * tolerances.flatness / edge**2
             place = Place("curvature", surface)
             if curved > flat:
-                # a larger radius is less curvature, and a longer negative one too
-                found.append(_Error(place, -curved, f"radius {surface}", "mm", curved / curvature**2))
+                # a longer radius is less curvature, whatever its sign
+                found.append(
+                    _Error(place, -curvature * tolerances.radius, f"radius {surface}", "mm", curved / curvature**2)
+                )
             else:
                 found.append(_Error(place, flat, f"curvature {surface}", "1/mm", flat))
             for kind, part, unit in (("decenter", 1, "mm"), ("tilt", 0, "deg")):

@@ -54,6 +54,8 @@ def ranges_of(start: Start) -> tuple[np.ndarray, np.ndarray]:
     )
     half = np.array([_half(place, n, radius) for place, n in zip(start.posed.places, start.numbers, strict=True)])
     bounded = np.isfinite(start.low) & np.isfinite(start.high)
+    # about the nearest number within a bound that leaves the middle out
+    centre = np.clip(centre, start.low, start.high)
     low = np.where(bounded, start.low, np.maximum(centre - half, start.low))
     high = np.where(bounded, start.high, np.minimum(centre + half, start.high))
     return low, high
@@ -63,9 +65,10 @@ def distinct(found: Iterable[Minimum], start: Start) -> list[Minimum]:
     """The best first; of those that are the same lens the best."""
     low, high = ranges_of(start)
     kept: list[Minimum] = []
-    for each in sorted(found, key=lambda minimum: minimum.merit):
+    ended = [minimum for minimum in found if np.isfinite(minimum.merit)]
+    for each in sorted(ended, key=lambda minimum: minimum.merit):
         apart = (np.max(np.abs(each.numbers - other.numbers) / (high - low)) for other in kept)
-        if np.isfinite(each.merit) and all(distance > SAME for distance in apart):
+        if all(distance > SAME for distance in apart):
             kept.append(each)
     return kept
 

@@ -94,7 +94,8 @@ class CurvatureSolve:
         system = lens.system.at(lens.system.primary)
         length = self.focal_length
         if length is None:
-            length = self.f_number * system.stop_size
+            # a lens that gathers light: behind an odd number of mirrors its focal length is negative
+            length = self.f_number * system.stop_size * system.orientation[-1]
         wanted = paraxial.signed_index(system)[-1] / length
         return written(lens, [(self.place, safe_divide(wanted - none, one - none))])
 

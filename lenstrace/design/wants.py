@@ -55,6 +55,11 @@ class Want:
         _ = lens, mirrored
         return self
 
+    @property
+    def um(self) -> tuple[float, ...]:
+        """Wavelengths that it asks for beside those of the lens."""
+        return ()
+
     def check(self, lens: Lens) -> None:
         """DesignError where the lens, as it is at the start, has no such figure."""
         _ = lens
@@ -151,14 +156,19 @@ def lost_residual(x: jax.Array, y: jax.Array, length: jax.Array) -> jax.Array:
     return length * (1 + jnp.log1p((x * x + y * y) / (length * length)))
 
 
-def check_sizes(want: Want, lens: Lens) -> None:
-    """DesignError for targets, limits and weights that are neither one number nor one for each term."""
+def sized(want: Want, lens: Lens) -> Want:
+    """The want with lists of targets, limits and weights as arrays; DesignError for such as are neither one number nor
+    one for each term."""
     count = len(want.names(lens))
+    arrays = {}
     for key in (*AIMS, "weight"):
         value = getattr(want, key, None)
         if value is not None and np.size(value) not in (1, count):
             terms = f"one number, or {count}, one for each of its terms" if count > 1 else "one number"
             raise DesignError(f"{type(want).__name__}: {key} must be {terms}; got {value}")
+        if isinstance(value, list | tuple):
+            arrays[key] = np.array(value, float)
+    return dataclasses.replace(want, **arrays)
 
 
 def checked_number(what: str, key: str, value: Any) -> np.ndarray:

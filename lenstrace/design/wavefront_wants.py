@@ -33,6 +33,7 @@ class WavefrontRMS(OverPupil):
     """
 
     reference: str = static(default="chief")
+    pattern: str = static(default="gaussian")
 
     unit: ClassVar = "waves"
 

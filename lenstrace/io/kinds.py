@@ -11,10 +11,18 @@ from typing import Any
 from lenstrace.errors import LensTraceError
 
 
-def made(where: str, entry: Any, kinds: Sequence[type], error: type[LensTraceError]) -> Any:
-    """An object of one of `kinds` out of the keys of a table; lists become tuples. `error` says where, what, got."""
+def made(
+    where: str, entry: Any, kinds: Sequence[type], error: type[LensTraceError], within: Sequence[type] = ()
+) -> Any:
+    """An object of one of `kinds` out of the keys of a table; lists become tuples. `error` says where, what, got.
+
+    within: what tables in that table may be.
+    """
     kind = kind_of(where, entry, kinds, error)
     given = fields_of(f"{where}, {entry['kind']}", entry, kind, error)
+    for key, value in given.items():
+        if isinstance(value, Mapping) and within:
+            given[key] = made(f"{where}: {key}", value, within, error)
     try:
         return kind(**given)
     except LensTraceError as mistake:

@@ -35,19 +35,12 @@ import numpy as np
 from lenstrace.errors import SceneError
 from lenstrace.io.kinds import fields_of, kind_of, made, near, tupled, unknown
 from lenstrace.io.native import keys_in, read_with
-from lenstrace.optics.shapes.box import Box
-from lenstrace.optics.shapes.rectangle import Rectangle
-from lenstrace.scene.cameras.simple import Orthographic, Pinhole, ThinLens
 from lenstrace.scene.cameras.view import View
-from lenstrace.scene.lights.delta import DistantLight, PointLight
-from lenstrace.scene.materials.diffuse import Diffuse
+from lenstrace.scene.materials.texture import Checker
 from lenstrace.scene.objects import Object, Scene
+from lenstrace.scene.rules import CAMERAS, LIGHTS, MATERIALS, SHAPES
 
 SECTIONS = ("name", "source", "camera", "render", "materials", "objects", "lights", "environment")
-CAMERAS = (Pinhole, ThinLens, Orthographic)
-LIGHTS = (PointLight, DistantLight)
-MATERIALS = (Diffuse,)
-SHAPES = (Rectangle, Box)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -86,7 +79,7 @@ def scene_from_keys(keys: Mapping[str, Any], folder: str) -> Setup:
     """A scene out of the keys of a file; other files that it names are looked for in `folder`."""
     unknown("the file", keys, SECTIONS, SceneError)
     named = {
-        name: made(f"materials: {name}", entry, MATERIALS, SceneError)
+        name: made(f"materials: {name}", entry, MATERIALS, SceneError, (Checker,))
         for name, entry in _table(keys, "materials").items()
     }
     scene = Scene(
@@ -110,7 +103,7 @@ def _object(where: str, entry: Mapping[str, Any], named: Mapping[str, Any]) -> O
             raise SceneError(f"{where}: material {material!r} is not in [materials]; {near(material, list(named))}")
         given["material"] = named[material]
     else:
-        given["material"] = made(f"{where}: material", material, MATERIALS, SceneError)
+        given["material"] = made(f"{where}: material", material, MATERIALS, SceneError, (Checker,))
     given["shape"] = made(f"{where}: shape", entry["shape"], SHAPES, SceneError)
     return Object(**given)
 

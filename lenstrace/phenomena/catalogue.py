@@ -29,7 +29,7 @@ GROUPS = {
         "Thin phase screens",
         ("ideal-lens", "grating", "zernike-screen", "sampled-screen", "deformable-mirror", "point-mass"),
     ),
-    "lines": ("Straight lines", ("point-in-polygon",)),
+    "lines": ("Straight lines", ("point-in-polygon", "mirror-room", "view-factor")),
 }
 PLACES = {name: group for group, (_, names) in GROUPS.items() for name in names}
 

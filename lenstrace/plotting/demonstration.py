@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_type_hints
 
 from lenstrace.phenomena.demonstration import Demonstration
 
@@ -34,8 +34,10 @@ def demonstration_figure(demonstration: Demonstration) -> Figure:
 def _drawn(demonstration: Demonstration, new: Callable[..., Any]) -> Figure:
     panels = _panels(demonstration)
     figure = new(figsize=(WIDTH if len(panels) > 1 else ALONE, HEIGHT), layout="compressed")
-    for panel, axes in zip(panels, figure.subplots(1, len(panels), squeeze=False)[0], strict=True):
-        panel(demonstration, axes)
+    for place, panel in enumerate(panels, 1):
+        # a panel says by the type of its axes whether they have two dimensions or three
+        kind = get_type_hints(panel)["axes"].name
+        panel(demonstration, figure.add_subplot(1, len(panels), place, projection=kind))
     return figure
 
 

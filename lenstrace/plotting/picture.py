@@ -39,7 +39,7 @@ def save_picture(picture: Picture, path: str | os.PathLike[str], exposure: float
             with partial.open("wb") as file:
                 np.save(file, picture.radiance.astype(np.float32))
         else:
-            from PIL import Image  # noqa: PLC0415
+            from PIL import Image
 
             Image.fromarray(picture.screen(exposure)).save(
                 partial, format=suffix[1:].replace("jpg", "jpeg").replace("tif", "tiff")

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lenstrace.accuracy.trade import Trade
 from lenstrace.analysis.trade import LensTrade
 
 if TYPE_CHECKING:
@@ -29,13 +30,17 @@ def plot_trade(found: LensTrade, axes: Axes | None = None) -> Axes:
     Families of settings have a colour and a marker each; hollow marks are float32. Absolute errors, in the unit of the
     quantity, where the truth is 0. Returns the Axes.
     """
-    from matplotlib.ticker import LogLocator
-
     if axes is None:
         from matplotlib import pyplot
 
         axes = pyplot.subplots(figsize=SIZE, layout="constrained")[1]
-    trade = found.trade
+    return plot_outcomes(found.trade, found.unit, axes)
+
+
+def plot_outcomes(trade: Trade, unit: str, axes: Axes) -> Axes:
+    """The same of any trade; unit: of its question."""
+    from matplotlib.ticker import LogLocator
+
     relative = trade.truth != 0
     outcomes = [each for each in trade.outcomes if np.isfinite(each.error)]
     errors = np.array([each.relative_error if relative else each.error for each in outcomes])
@@ -46,8 +51,7 @@ def plot_trade(found: LensTrade, axes: Axes | None = None) -> Axes:
     names = list(dict.fromkeys(_family(each.setting.family) for each in outcomes))
     known = [*FAMILIES, *(name for name in names if name not in FAMILIES)]
     for name in names:
-        place = known.index(name)
-        colour = f"C{place % 10}"
+        colour, marker = _look(known.index(name))
         for single in (False, True):
             chosen = [
                 _family(each.setting.family) == name and ("float32" in each.setting.name) is single for each in outcomes
@@ -58,7 +62,7 @@ def plot_trade(found: LensTrade, axes: Axes | None = None) -> Axes:
                 seconds[chosen] * 1e3,
                 errors[chosen],
                 linestyle="none",
-                marker=MARKERS[place % len(MARKERS)],
+                marker=marker,
                 color=colour,
                 markerfacecolor="none" if single else colour,
                 markersize=6,
@@ -83,7 +87,7 @@ def plot_trade(found: LensTrade, axes: Axes | None = None) -> Axes:
             label="chosen",
         )
     axes.set(xscale="log", yscale="log", xlabel="time of a call, ms")
-    axes.set_ylabel("relative error" if relative else f"error, {found.unit}")
+    axes.set_ylabel("relative error" if relative else f"error, {unit}")
     # whole numbers of ms, not powers of ten: all settings may lie within one
     for each in (axes.xaxis.set_major_formatter, axes.xaxis.set_minor_formatter):
         each("{x:g}")
@@ -91,6 +95,11 @@ def plot_trade(found: LensTrade, axes: Axes | None = None) -> Axes:
     axes.grid(which="major", alpha=0.3)
     axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, frameon=False, fontsize="small")
     return axes
+
+
+def family_look(family: str) -> tuple[str, str]:
+    """Colour and marker of one of FAMILIES."""
+    return _look(FAMILIES.index(family))
 
 
 def trade_figure(found: LensTrade, name: str, field_unit: str) -> Figure:
@@ -102,6 +111,10 @@ def trade_figure(found: LensTrade, name: str, field_unit: str) -> Figure:
     figure.suptitle(name, parse_math=False)
     figure.axes[0].set_title(found.described(field_unit), fontsize="medium")
     return figure
+
+
+def _look(place: int) -> tuple[str, str]:
+    return f"C{place % 10}", MARKERS[place % len(MARKERS)]
 
 
 def _family(name: str) -> str:

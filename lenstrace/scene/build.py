@@ -2,92 +2,119 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
 
-from lenstrace.scene.frame import frame_at
-from lenstrace.scene.lights.area import AreaLight
+from lenstrace.errors import LensTraceError, SceneError
 from lenstrace.scene.lights.delta import DistantLight, PointLight
-from lenstrace.scene.lights.environment import environment
+from lenstrace.scene.lights.environment import Environment, environment
 from lenstrace.scene.mesh import Mesh
-from lenstrace.scene.objects import Scene
+from lenstrace.scene.objects import Object, Scene
+from lenstrace.scene.rules import LIGHTS, MATERIALS, SHAPES, SHINING, checked, colour, vector
 from lenstrace.scene.search.kind import Way
-from lenstrace.scene.searched import mesh_primitives, searched
-from lenstrace.scene.stacks import Many, stack
-from lenstrace.scene.world import Primitive, World
+from lenstrace.scene.searched import check_mesh, lights_of, primitives_of, searched
+from lenstrace.scene.stacks import stack
+from lenstrace.scene.world import World
 
 # The radius of a scene, by which the power of light from far away is weighed against that of near ones.
 RADIUS = 1.0
 
 
 def world_of(scene: Scene, dtype: Any = np.float32, way: Way = Way.AUTO) -> World:
-    """The numbers of a scene in a precision. way: how the nearest of many primitives is found."""
-    primitives, materials, numbers, lights, shining = [], [], [], [], []
+    """The numbers of a scene in a precision. SceneError for the first rule that the scene breaks.
+
+    way: how the nearest of many primitives is found.
+    """
+    if not scene.objects:
+        raise SceneError("objects: a scene needs at least one, got none")
+    items = [_checked(item, f"object {i}") for i, item in enumerate(scene.objects, 1)]
+    # what was written once is one material, however many objects are of it
+    of_id = {id(raw.material): item.material for raw, item in zip(scene.objects, items, strict=True)}
+    order = list(of_id)
+    lights = [_said(f"light {i}", checked, light, LIGHTS) for i, light in enumerate(scene.lights, 1)]
+    powers = [_power(light) for light in lights]
+    primitives, materials, shining = [], [], []
     # the triangles of all meshes follow each other
-    for item in sorted(scene.objects, key=lambda item: isinstance(item.shape, Mesh)):
-        if isinstance(item.shape, Mesh):
-            if not any(item.material is each for each in materials):
-                materials.append(item.material)
-            shape = item.shape.triangles(item.position, item.rotation, np.dtype(dtype))
-            triangles, light = mesh_primitives(item, shape, len(numbers))
-            primitives.append(triangles)
-            mine = next(i for i, each in enumerate(materials) if each is item.material)
-            numbers.extend([mine] * triangles.count)
-            count = sum(getattr(each, "count", 1) for each in lights)
-            shining.extend([-1] * triangles.count if light is None else range(count, count + triangles.count))
-            if light is not None:
-                lights.append(light)
-            continue
-        number = np.int32(len(primitives))
-        frame = frame_at(item.position, item.rotation, item.motion)
-        primitives.append(Primitive(item.shape, frame, number))
-        if not any(item.material is each for each in materials):
-            materials.append(item.material)
-        numbers.append(next(i for i, each in enumerate(materials) if each is item.material))
-        shining.append(-1 if item.emission is None else len(lights))
+    for raw, item in sorted(zip(scene.objects, items, strict=True), key=lambda pair: isinstance(pair[1].shape, Mesh)):
+        some = _said(item.name or "object", primitives_of, item, len(materials), dtype)
+        primitives.append(some)
+        materials += [order.index(id(raw.material))] * some.count
+        shining += [-1] * some.count if item.emission is None else range(len(powers), len(powers) + some.count)
         if item.emission is not None:
-            lights.append(AreaLight(item.shape, frame, item.emission, number))
-    lights.extend(scene.lights)
-    around = None
-    if scene.environment is not None:
-        around = environment(
-            np.broadcast_to(np.asarray(scene.environment, float), (1, 1, 3))
-            if np.ndim(scene.environment) == 1
-            else np.asarray(scene.environment),
-            np.dtype(dtype),
-        )
-    powers = [power for light in lights for power in _powers(light)]
-    if around is not None:
-        powers.append(float(np.mean(np.asarray(around.radiance))) * 4 * np.pi**2 * RADIUS**2)
-    total = sum(powers)
-    chosen = np.cumsum(powers) / total if total > 0 else np.arange(1, len(powers) + 1) / max(len(powers), 1)
+            lights.append(lights_of(some, item.emission))
+            powers += (np.pi * np.mean(item.emission) * np.asarray(some.things.shape.area(), float)).tolist()
+    around = None if scene.environment is None else _said("environment", _around, scene.environment, dtype)
+    powers += [] if around is None else [_power_around(around)]
     standing, searches = searched(stack(primitives, dtype), way)
     return World(
         standing,
         searches,
-        jnp.asarray(np.array(numbers, np.int32)),
-        stack(materials, dtype),
-        jnp.asarray(np.array(shining, np.int32)) if max(shining, default=-1) >= 0 else None,
+        jnp.asarray(np.array(materials, np.int32)),
+        stack(list(of_id.values()), dtype),
+        jnp.asarray(np.array(shining, np.int32)) if max(shining) >= 0 else None,
         stack(lights, dtype) if lights else None,
-        jnp.asarray(chosen, dtype),
+        jnp.asarray(_cumulated(powers), dtype),
         around,
     )
 
 
-def _powers(light: Any) -> list[float]:
-    """Of a light, or of many."""
-    if isinstance(light, Many):
-        area, radiance = np.asarray(light.things.shape.area()), np.mean(light.things.radiance, axis=0)
-        return (np.pi * area * radiance).tolist()
-    return [_power(light)]
+def _checked(item: Object, where: str) -> Object:
+    """An object whose numbers are those of a program."""
+    where = f"{where} ({item.name})" if item.name else where
+    emission = None if item.emission is None else _said(f"{where}: emission", colour, item.emission)
+    if emission is not None and not isinstance(item.shape, SHINING):
+        names = ", ".join(kind.__name__ for kind in SHINING)
+        raise SceneError(f"{where}: emission of a {type(item.shape).__name__} is not known; one of {names} may shine")
+    if isinstance(item.shape, Mesh):
+        _said(where, check_mesh, item)
+    return Object(
+        _said(f"{where}: shape", checked, item.shape, SHAPES),
+        _said(f"{where}: material", checked, item.material, MATERIALS),
+        _said(f"{where}: position", vector, item.position),
+        _said(f"{where}: rotation", vector, item.rotation),
+        emission,
+        None if item.motion is None else _said(f"{where}: motion", vector, item.motion),
+        item.name,
+    )
+
+
+def _said(where: str, function: Callable[..., Any], *arguments: Any) -> Any:
+    """What a function gives; its errors name the place."""
+    try:
+        return function(*arguments)
+    except LensTraceError as error:
+        raise type(error)(f"{where}: {error}") from None
+
+
+def _around(radiance: Any, dtype: Any) -> Environment:
+    """The environment of one colour, or of a map."""
+    cells = np.asarray(radiance, float)
+    if cells.ndim < 2:
+        cells = np.array(colour(radiance)).reshape(1, 1, 3)
+    if cells.ndim != 3 or cells.shape[2] != 3 or cells.size == 0:
+        raise SceneError(f"must be one colour, or a map (rows, columns, 3); got an array {cells.shape}")
+    if not np.all(np.isfinite(cells) & (cells >= 0)):
+        raise SceneError("must be finite and not negative everywhere")
+    return environment(cells, np.dtype(dtype))
+
+
+def _cumulated(powers: list[float]) -> np.ndarray:
+    """Chances by power, each with all before it; alike where all are dark."""
+    weights = np.array(powers) if sum(powers) > 0 else np.ones(len(powers))
+    return np.cumsum(weights) / max(weights.sum(), 1e-300)
 
 
 def _power(light: Any) -> float:
-    """Of a light, weighed alike over its colours."""
+    """Of a light, its colours taken alike."""
     if isinstance(light, PointLight):
         return 4 * np.pi * float(np.mean(light.intensity))
     if isinstance(light, DistantLight):
         return np.pi * RADIUS**2 * float(np.mean(light.irradiance))
-    return np.pi * float(light.shape.area()) * float(np.mean(light.radiance))
+    raise TypeError(f"no light: {light!r}")
+
+
+def _power_around(around: Environment) -> float:
+    return 4 * np.pi**2 * RADIUS**2 * float(np.mean(np.asarray(around.radiance)))

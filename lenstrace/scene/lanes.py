@@ -70,7 +70,8 @@ def _sample(task: Task, pixels: jax.Array, sample: jax.Array) -> tuple[Colour, j
     width, height = _whole(task.width, dtype), _whole(task.height, dtype)
     half = jnp.minimum(width, height)
     moment = um = None
-    colour = (jnp.ones_like(u),) * 3
+    one = jnp.ones_like(u)
+    colour: Colour = (one, one, one)
     if task.world.moves or task.world.disperses or task.camera.disperses:
         time, wave, *_ = draws.four(MOMENT, dtype)
         moment = time - 0.5 if task.world.moves else None

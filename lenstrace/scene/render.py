@@ -6,6 +6,7 @@ import dataclasses
 import itertools
 import math
 import time
+import warnings
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -14,18 +15,21 @@ import jax.numpy as jnp
 import numpy as np
 
 from lenstrace.compute.blocks import each
-from lenstrace.errors import SceneError
-from lenstrace.scene.build import world_of
-from lenstrace.scene.draws import Sampler
+from lenstrace.compute.tiles import each_tile
+from lenstrace.errors import AccuracyWarning, SceneError
 from lenstrace.scene.lanes import Sums, Task, samples_of
-from lenstrace.scene.methods.method import method_of
 from lenstrace.scene.objects import Scene
 from lenstrace.scene.picture import Picture
+from lenstrace.scene.search.kind import has_callback
 from lenstrace.scene.tally import Tally
+from lenstrace.scene.task import task_of
 
 # Pixels of a thread's share, and of a call; samples of a pixel in one call at most, and where nothing is said.
 CHUNK, BATCH, PASS = 1 << 11, 1 << 15, 16
+# Pixels of a tile, where the nearest triangle is asked for by calling back.
+TILE = 1 << 14
 SIZE = (256, 256)
+NO_LIGHT = "the scene has no light and is black: give it lights, an environment, or an object with emission"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -71,16 +75,14 @@ def render(
     progress:   called after every batch of pixels.
     Ctrl-C ends the work with the picture so far. SceneError for what cannot be rendered.
     """
-    _check(size, samples, seconds, noise)
-    if sampler not in [each.value for each in Sampler]:
-        raise SceneError(f"sampler: unknown {sampler!r}; one of {', '.join(each.value for each in Sampler)}")
+    _check(samples, seconds, noise)
     limit = PASS if samples is None and seconds is None and noise is None else samples
-    unsigned = [jnp.asarray(number, jnp.uint32) for number in (*size, _word(key))]
-    nothing = jnp.asarray(0, jnp.int32)
-    task = Task(
-        *(world_of(scene, dtype), jax.tree.map(lambda a: jnp.asarray(a, dtype), camera)),
-        *(method_of(method, depth, threshold, dtype), *unsigned, nothing, nothing, Sampler(sampler)),
+    task = task_of(
+        *(scene, camera, size), method=method, depth=depth, threshold=threshold, key=key, sampler=sampler, dtype=dtype
     )
+    notes = () if task.world.lights or task.world.environment else (NO_LIGHT,)
+    for note in notes:
+        warnings.warn(note, AccuracyWarning, stacklevel=2)
     pixels = size[0] * size[1]
     batch = min(BATCH, -(-pixels // (2 * CHUNK)) * 2 * CHUNK)
     tally = Tally(pixels, dtype)
@@ -102,7 +104,7 @@ def render(
     return Picture(
         tally.mean.reshape(*shape, 3),
         tally.standard_error().reshape(*shape, 3),
-        *(tally.count.reshape(shape), tally.rays, time.perf_counter() - start, start - begin, interrupted),
+        *(tally.count.reshape(shape), tally.rays, time.perf_counter() - start, start - begin, interrupted, notes),
     )
 
 
@@ -127,7 +129,10 @@ def _run(task: Task, pixel: int, batch: int, pixels: int, first: int, number: in
     """Samples of a batch of pixels; those beyond the last repeat it."""
     numbers = np.minimum(np.arange(pixel, pixel + batch), pixels - 1).astype(np.uint32)
     counted = {"first": jnp.asarray(first, jnp.int32), "count": jnp.asarray(number, jnp.int32)}
-    return each(samples_of, dataclasses.replace(task, **counted), numbers, CHUNK)
+    task = dataclasses.replace(task, **counted)
+    if has_callback(task.world.searches):
+        return each_tile(samples_of, task, numbers, TILE)
+    return each(samples_of, task, numbers, CHUNK)
 
 
 def _passes(limit: int | None) -> Iterator[int]:
@@ -150,17 +155,7 @@ def _progress(tally: Tally, noise: float, limit: int | None, seconds: float | No
     return Progress(done, samples, tally.rays / spent, noise, left)
 
 
-def _word(key: int | jax.Array) -> int:
-    """32 bits of a key."""
-    if isinstance(key, int):
-        return key % 2**32
-    words = np.asarray(jax.random.key_data(key), np.uint32).ravel()
-    return int(np.bitwise_xor.reduce(words * np.arange(1, 2 * len(words), 2, dtype=np.uint32)))
-
-
-def _check(size: tuple[int, int], samples: int | None, seconds: float | None, noise: float | None) -> None:
-    if min(size) < 1:
-        raise SceneError(f"size: width and height must be at least 1 pixel, got {size[0]}x{size[1]}")
+def _check(samples: int | None, seconds: float | None, noise: float | None) -> None:
     if samples is not None and samples < 1:
         raise SceneError(f"samples: at least 1 for each pixel, got {samples}")
     for name, value in (("seconds", seconds), ("noise", noise)):

@@ -7,31 +7,48 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
+import jax.numpy as jnp
 import numpy as np
 
 from lenstrace.errors import LensTraceError, SceneError
 from lenstrace.optics.glasses import glass
-from lenstrace.optics.media import Medium
+from lenstrace.optics.shapes.asphere_cap import AsphereCap
 from lenstrace.optics.shapes.box import Box
+from lenstrace.optics.shapes.conic_cap import ConicCap
 from lenstrace.optics.shapes.cylinder import Cylinder
 from lenstrace.optics.shapes.disk import Disk
+from lenstrace.optics.shapes.implicit import Implicit
+from lenstrace.optics.shapes.plane import Plane
 from lenstrace.optics.shapes.rectangle import Rectangle
 from lenstrace.optics.shapes.sphere import Sphere
+from lenstrace.optics.shapes.torus import Torus
 from lenstrace.optics.shapes.triangle import Triangle
 from lenstrace.scene.cameras.simple import Orthographic, Pinhole, ThinLens
 from lenstrace.scene.cameras.view import View
-from lenstrace.scene.dispersion import FlatIndex, fitted
+from lenstrace.scene.dispersion import Dispersion
+from lenstrace.scene.frame import frame_at
 from lenstrace.scene.lights.delta import DistantLight, PointLight
 from lenstrace.scene.materials.blinn_phong import BlinnPhong
 from lenstrace.scene.materials.dielectric import Dielectric
 from lenstrace.scene.materials.diffuse import Diffuse
+from lenstrace.scene.materials.index import FlatIndex, index_of
 from lenstrace.scene.materials.mirror import Mirror
 from lenstrace.scene.materials.rough_conductor import RoughConductor
 from lenstrace.scene.materials.rough_dielectric import RoughDielectric
 from lenstrace.scene.materials.texture import Checker
+from lenstrace.scene.mesh import Mesh
+from lenstrace.scene.objects import Scene
 
 # Below it the highlights of float32 would be lost to rounding.
 SMOOTHEST = 1e-3
+
+SHAPES = (Sphere, Plane, Rectangle, Disk, Box, Cylinder, Torus, ConicCap, AsphereCap, Triangle, Implicit, Mesh)
+# Those of which every part of the area is as likely as another to be taken for a light.
+SHINING = (Sphere, Rectangle, Disk, Triangle, Mesh)
+SOLIDS = (Sphere, Box, Cylinder, Torus)
+MATERIALS = (Diffuse, Mirror, Dielectric, RoughConductor, RoughDielectric, BlinnPhong)
+LIGHTS = (PointLight, DistantLight)
+CAMERAS = (Pinhole, ThinLens, Orthographic)
 
 Rule = Callable[[Any], Any]
 
@@ -81,11 +98,11 @@ def roughness(value: Any) -> float:
 def index(value: Any) -> Any:
     """A refractive index: a number, the name of a glass, or a medium."""
     if isinstance(value, str):
-        return fitted(glass(value))
-    if isinstance(value, FlatIndex) or hasattr(value, "coefficients"):
+        return index_of(glass(value))
+    if isinstance(value, FlatIndex | Dispersion):
         return value
     if not isinstance(value, bool | int | float | np.floating | np.integer):
-        return fitted(value)
+        return index_of(value)
     if not number(value) >= 1:
         raise SceneError(f"must be at least 1 in a scene, got {value}")
     return FlatIndex(float(value))
@@ -127,7 +144,10 @@ RULES: Mapping[type, Mapping[str, Rule]] = {
     Disk: {"radius": extent, "hole": not_negative},
     Box: {"half_x": positive, "half_y": positive, "half_z": positive},
     Cylinder: {"radius": positive, "half_length": positive},
+    Plane: {},
+    Torus: {"major": positive, "minor": positive},
     Triangle: {"a": vector, "b": vector, "c": vector},
+    Mesh: {},
     Diffuse: {"albedo": coating},
     Mirror: {"reflectance": coating},
     BlinnPhong: {"diffuse": coating, "specular": coating, "exponent": not_negative},
@@ -142,6 +162,21 @@ RULES: Mapping[type, Mapping[str, Rule]] = {
     ThinLens: {"view": _view, "focal_length": positive, "f_number": positive, "focus": positive, "film": positive},
     Orthographic: {"view": _view, "height": positive},
 }
+
+
+def check_outside(position: Any, scene: Scene) -> None:
+    """SceneError where a place lies inside a solid object."""
+    here = tuple(jnp.asarray(float(each)) for each in position)
+    for number, item in enumerate(scene.objects, 1):
+        if isinstance(item.shape, SOLIDS):
+            frame = frame_at(item.position, item.rotation, None)
+            local, _ = frame.local(here, here, None)  # type: ignore[arg-type]
+            if float(item.shape.value(local)) < 0:
+                name = f" ({item.name})" if item.name else ""
+                raise SceneError(
+                    f"camera: stands inside object {number}{name}, a {type(item.shape).__name__}; move it out, or make "
+                    "a room of rectangles"
+                )
 
 
 def checked(thing: Any, of: tuple[type, ...] = ()) -> Any:

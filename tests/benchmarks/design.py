@@ -12,7 +12,7 @@ import numpy as np
 import lenstrace
 from lenstrace import Problem
 from lenstrace.design import Curvature, FocalLength, SpotRMS, Thickness, optimize, optimize_from
-from lenstrace.design.optimize import begun
+from lenstrace.design.ready import begun
 from lenstrace.io.native import dumps
 from tests.benchmarks import fresh, peers
 from tests.benchmarks.paired import interleaved

@@ -20,7 +20,7 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 # read when OpenMP is first loaded: its threads are not to spin on while the next call is timed
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 
-from tests.benchmarks import design, diffraction, forward, honesty, limit, processes, rates, required, small
+from tests.benchmarks import design, diffraction, forward, honesty, limit, processes, rates, required, scenes, small
 
 SECTIONS = {
     "forward": forward.forward,
@@ -35,8 +35,9 @@ SECTIONS = {
     "start": processes.start,
     "batch": small.batch,
     "design": design.design,
+    "scenes": scenes.scenes,
 }
-PACKAGES = ("lenstrace", "jax", "jaxlib", "numpy", "batoid", "optiland", "torch", "rayoptics")
+PACKAGES = ("lenstrace", "jax", "jaxlib", "numpy", "batoid", "optiland", "torch", "rayoptics", "mitsuba")
 CPU = Path("/proc/cpuinfo")
 
 

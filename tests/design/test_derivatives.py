@@ -47,8 +47,8 @@ from lenstrace.design import (
     WavefrontRMS,
 )
 from lenstrace.design.merit import residuals
-from lenstrace.design.optimize import begun
 from lenstrace.design.problem import start_of
+from lenstrace.design.ready import begun
 from lenstrace.design.view import View
 
 # Steps of differences, in the unit of each kind of number; of an asphere term relative to its effect at 6 mm.

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 
 from lenstrace.compute.pytree import pytree
 from lenstrace.optics.shapes.shape import Roots
-from lenstrace.optics.shapes.slab import slab
+from lenstrace.optics.shapes.spans import slab
 from lenstrace.optics.vectors import Vector, dot
 
 

@@ -7,8 +7,8 @@ import jax.numpy as jnp
 
 from lenstrace.compute.pytree import pytree
 from lenstrace.optics.shapes.shape import Roots
-from lenstrace.optics.shapes.slab import slab
-from lenstrace.optics.vectors import Vector, dot, root_or_zero
+from lenstrace.optics.shapes.spans import slab, tube
+from lenstrace.optics.vectors import Vector, dot
 
 
 @pytree
@@ -24,17 +24,15 @@ class Cylinder:
     def roots(self, point: Vector, direction: Vector, on: jax.Array) -> Roots:
         """Where the later of tube and slab is entered and the first is left, if in this order; see `Shape.roots`.
 
-        In the tube, with A = l^2 + m^2,
-
-            t = (-(x l + y m) -+ sqrt(A R^2 - (x m - y l)^2)) / A,
-
-        and from its surface the roots are 0 and -2 (x l + y m) / A. The cylinder is convex: a ray that starts on it and
-        goes outward meets nothing, one that goes inward meets only the place where it leaves.
+        The cylinder is convex: a ray that starts on it and goes outward meets nothing, one that goes inward meets only
+        the place where it leaves. From the surface of the tube that is twice as far as the middle of its way through.
         """
         (x, y, z), (l, m, n) = point, direction
         z_near, z_far = slab(self.half_length, z, n)
-        r_near, r_far, inside = self._tube(x, y, l, m, on & (self._over_side(point) >= self._over_end(point)))
-        near, far = jnp.maximum(r_near, z_near), jnp.minimum(r_far, z_far)
+        middle, half, inside = tube(self.radius * self.radius, x, y, l, m)
+        on_side = on & (self._over_side(point) >= self._over_end(point))
+        near = jnp.maximum(middle - half, z_near)
+        far = jnp.minimum(jnp.where(on_side, 2 * middle, middle + half), z_far)
         inward = dot(self.normal(point), direction) < 0
         met = inside & (near <= far)
         enters, leaves = met & ~on, jnp.where(on, inward, met)
@@ -63,19 +61,3 @@ class Cylinder:
 
     def _over_end(self, point: Vector) -> jax.Array:
         return jnp.abs(point[2]) - self.half_length
-
-    def _tube(
-        self, x: jax.Array, y: jax.Array, l: jax.Array, m: jax.Array, on: jax.Array
-    ) -> tuple[jax.Array, jax.Array, jax.Array]:
-        """Where the ray enters and leaves the endless tube, and whether it does; along the axis: before and beyond."""
-        limits = jnp.finfo(l.dtype)
-        r2 = self.radius * self.radius
-        a = l * l + m * m
-        along_axis = a < limits.tiny / limits.eps
-        inverse = 1 / jnp.where(along_axis, 1, a)
-        middle = -(x * l + y * m) * inverse
-        moment = x * m - y * l
-        half = root_or_zero(a * r2 - moment * moment) * inverse
-        near = jnp.where(along_axis, -limits.max, middle - half)
-        far = jnp.where(along_axis, limits.max, middle + jnp.where(on, middle, half))
-        return near, far, jnp.where(along_axis, x * x + y * y < r2, half > 0)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import jax
 import jax.numpy as jnp
 
 from lenstrace.compute.pytree import pytree
 from lenstrace.optics.shapes.flat import plane_crossing, plane_normal
 from lenstrace.optics.shapes.shape import Roots
+from lenstrace.optics.turns import turned
 from lenstrace.optics.vectors import Vector, root_or_zero
 
 
@@ -15,8 +18,8 @@ from lenstrace.optics.vectors import Vector, root_or_zero
 class Disk:
     """F = z, where hole <= r <= radius, r^2 = x^2 + y^2; mm, hole 0 for none."""
 
-    radius: jax.Array
-    hole: jax.Array
+    radius: Any
+    hole: Any = 0.0
 
     def roots(self, point: Vector, direction: Vector, on: jax.Array) -> Roots:
         """-z / n; see `Shape.roots`. A ray that starts on the disk never meets it again."""
@@ -47,5 +50,5 @@ class Disk:
         r^2 = hole^2 + u (radius^2 - hole^2), and the angle 2 pi v about z.
         """
         r = root_or_zero(self.hole * self.hole + u * (self.radius - self.hole) * (self.radius + self.hole))
-        angle = 2 * jnp.pi * v
-        return r * jnp.cos(angle), r * jnp.sin(angle), jnp.zeros_like(u)
+        cos, sin = turned(v)
+        return r * cos, r * sin, jnp.zeros_like(u)

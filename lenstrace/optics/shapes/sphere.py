@@ -7,6 +7,7 @@ import jax.numpy as jnp
 
 from lenstrace.compute.pytree import pytree
 from lenstrace.optics.shapes.shape import Roots, along
+from lenstrace.optics.turns import turned
 from lenstrace.optics.vectors import Vector, dot, root_or_zero
 
 
@@ -21,7 +22,7 @@ class Sphere:
 
         The foot f is found in two steps, m = -r.d and what the rounding of that leaves over: R^2 - |f|^2 then loses no
         digits to the distance of the ray's start, as (r.d)^2 - |r|^2 + R^2 would. From the sphere itself, where
-        |r| = R, the roots are 0 and 2 m.
+        |r| = R, the roots are 0 and -2 r.d.
         Source: Haines et al., Ray Tracing Gems (2019), ch. 7, Eq. (5).
         """
         far = -dot(point, direction)
@@ -33,7 +34,7 @@ class Sphere:
         met = half > 0
         return (
             (jnp.where(met, middle - half, 0), met & ~on),
-            (jnp.where(on, 2 * middle, jnp.where(met, middle + half, 0)), met | on),
+            (jnp.where(on, 2 * far, jnp.where(met, middle + half, 0)), met | on),
         )
 
     def value(self, point: Vector) -> jax.Array:
@@ -61,5 +62,5 @@ class Sphere:
         z / R = 1 - 2 u by Archimedes' theorem, and the angle 2 pi v about z.
         """
         across = 2 * self.radius * root_or_zero(u * (1 - u))
-        angle = 2 * jnp.pi * v
-        return across * jnp.cos(angle), across * jnp.sin(angle), self.radius * (1 - 2 * u)
+        cos, sin = turned(v)
+        return across * cos, across * sin, self.radius * (1 - 2 * u)

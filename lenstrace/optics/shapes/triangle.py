@@ -29,10 +29,10 @@ class Triangle:
 
             U = c_x b_y - c_y b_x,   V = a_x c_y - a_y c_x,   W = b_x a_y - b_y a_x
 
-        have one sign, 0 counting as either, and meets it at t = (U a_z + V b_z + W c_z) / (U + V + W) / d_z. The signs
-        are those of comparisons between two products: in the neighbour, which has the edge in the other sense, they are the
-        opposite to the last bit, also where the compiler fuses a product with a difference. At a corner all
-        triangles see the same corner.
+        have one sign, 0 counting as either, at t = (U a_z + V b_z + W c_z) / (U + V + W) / d_z. The signs are those of
+        comparisons between two products: in the neighbour, which has the edge in the other sense, they are the
+        opposite to the last bit, also where the compiler fuses a product with a difference. At a corner all triangles
+        see the same corner.
         Source: Woop, Benthin & Wald, Journal of Computer Graphics Techniques 2 (1), 65 (2013), sections 3 and 4.
         """
         l, m, n = (jnp.abs(d) for d in direction)

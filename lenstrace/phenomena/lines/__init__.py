@@ -1,1 +1,1 @@
-"""Demonstrations of straight lines: which side a point is on, and inside of what."""
+"""Demonstrations of straight lines: inside or outside, a room of mirrors, the light from shape to shape."""

@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 
 from lenstrace.compute.pytree import pytree
+from lenstrace.optics.turns import cos_sin
 from lenstrace.optics.vectors import Vector, normalize
 
 
@@ -58,7 +59,8 @@ def on_disk(u: jax.Array, v: jax.Array) -> tuple[jax.Array, jax.Array]:
     wide = jnp.abs(a) > jnp.abs(b)
     radius, other = jnp.where(wide, a, b), jnp.where(wide, b, a)
     turn = jnp.pi / 4 * other / jnp.where(radius == 0, 1, radius)
-    along, across = radius * jnp.cos(turn), radius * jnp.sin(turn)
+    cos, sin = cos_sin(turn)
+    along, across = radius * cos, radius * sin
     return jnp.where(wide, along, across), jnp.where(wide, across, along)
 
 

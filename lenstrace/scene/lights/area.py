@@ -9,7 +9,7 @@ import jax.numpy as jnp
 
 from lenstrace.compute.pytree import pytree
 from lenstrace.optics.vectors import Vector, divide_where, dot, normalize
-from lenstrace.scene.colours import Colour, scaled
+from lenstrace.scene.colours import scaled
 from lenstrace.scene.frame import Frame
 from lenstrace.scene.lights.light import Lighting
 

@@ -7,6 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from lenstrace.compute.pytree import pytree
+from lenstrace.optics.turns import turned
 from lenstrace.optics.vectors import Vector
 from lenstrace.scene.colours import Colour
 from lenstrace.scene.lights.light import Lighting
@@ -39,15 +40,15 @@ class Environment:
         if count > 1:
             cell = jnp.searchsorted(self.chosen, w, side="right").astype(jnp.int32)
             cell = jnp.clip(cell, 0, count - 1)
-        rows = count // self.columns
-        row, column = cell // self.columns, cell % self.columns
+        rows, columns = (each.astype(u.dtype) for each in (count // self.columns, self.columns))
+        row, column = ((cell // self.columns).astype(u.dtype), (cell % self.columns).astype(u.dtype))
         height = 1 - 2 * (row + u) / rows
-        turn = 2 * jnp.pi * (column + v) / self.columns
+        cos, sin = turned((column + v) / columns)
         across = jnp.sqrt(jnp.maximum(1 - height * height, 0))
         density = self._density(cell)
         r, g, b = self._colour(cell)
         far = jnp.full_like(u, jnp.inf)
-        direction = across * jnp.sin(turn), height, across * jnp.cos(turn)
+        direction = across * sin, height, across * cos
         safe = jnp.where(density > 0, density, 1)
         return Lighting(direction, far, (r / safe, g / safe, b / safe), density, nowhere(u))
 
@@ -57,9 +58,10 @@ class Environment:
         if count == 1:
             return jnp.zeros(x.shape, jnp.int32)
         rows = count // self.columns
-        row = jnp.clip(((1 - y) / 2 * rows).astype(jnp.int32), 0, rows - 1)
+        row = jnp.clip(((1 - y) / 2 * rows.astype(y.dtype)).astype(jnp.int32), 0, rows - 1)
         turn = jnp.arctan2(x, z) / (2 * jnp.pi)
-        column = jnp.clip(((turn - jnp.floor(turn)) * self.columns).astype(jnp.int32), 0, self.columns - 1)
+        part = (turn - jnp.floor(turn)) * self.columns.astype(turn.dtype)
+        column = jnp.clip(part.astype(jnp.int32), 0, self.columns - 1)
         return row * self.columns + column
 
     def _colour(self, cell: jax.Array) -> Colour:

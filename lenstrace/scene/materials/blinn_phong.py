@@ -4,7 +4,7 @@
 
 H lies half way between the light and the viewer. With s the highlight, seen straight from above, gives back just
 `specular` of the light that falls on it, whatever the exponent.
-Source: J. Blinn, Computer Graphics 11 (2), 192 (1977); s: F. Giesen, Phong and Blinn-Phong normalization factors (2009).
+Source: J. Blinn, Computer Graphics 11 (2), 192 (1977); s: F. Giesen, Phong and Blinn-Phong normalization (2009).
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import jax
 import jax.numpy as jnp
 
 from lenstrace.compute.pytree import pytree
+from lenstrace.optics.turns import turned
 from lenstrace.optics.vectors import Vector, divide_where, dot, normalize, root_or_zero
 from lenstrace.scene.colours import Colour, plus, scaled
 from lenstrace.scene.materials.diffuse import about_normal
@@ -36,9 +37,9 @@ class BlinnPhong:
         """By turns as a matt surface does, and about the highlight."""
         n = self.exponent
         # H with density (n + 1) / (2 pi) cos^n
-        cosine = (1 - u) ** (1 / (n + 1))
-        radius, turn = root_or_zero(1 - cosine * cosine), 2 * jnp.pi * v
-        half = radius * jnp.cos(turn), radius * jnp.sin(turn), cosine
+        cosine = _power(1 - u, 1 / (n + 1))
+        radius, (cos, sin) = root_or_zero(1 - cosine * cosine), turned(v)
+        half = radius * cos, radius * sin, cosine
         along = 2 * dot(outgoing, half)
         shine = tuple(along * h - o for h, o in zip(half, outgoing, strict=True))
         incoming = tuple(jnp.where(w < 1 / 2, a, b) for a, b in zip(about_normal(u, v), shine, strict=True))
@@ -50,7 +51,7 @@ class BlinnPhong:
         """f cos and density, 0 for light from behind."""
         n, cosine = self.exponent, jnp.maximum(incoming[2], 0)
         half = normalize((outgoing[0] + incoming[0], outgoing[1] + incoming[1], outgoing[2] + cosine))
-        lobe = half[2] ** n
+        lobe = _power(half[2], n)
         shine = (n + 2) * (n + 4) / (8 * jnp.pi * (2 ** (-n / 2) + n)) * lobe
         matt = scaled(colour_at(self.diffuse, place.point), jnp.full_like(lobe, 1 / jnp.pi))
         value = plus(matt, scaled(colour_at(self.specular, place.point), shine))
@@ -63,3 +64,8 @@ class BlinnPhong:
         """None: the highlight stands for all that it reflects."""
         del place, gloss
         return no_branches(outgoing)
+
+
+def _power(base: jax.Array, exponent: jax.Array) -> jax.Array:
+    """base^exponent for bases above 0: XLA has vectors of exp and log, and calls a library's power ray by ray."""
+    return jnp.exp(exponent * jnp.log(base))

@@ -11,7 +11,7 @@ from lenstrace.compute.pytree import pytree
 from lenstrace.optics.fresnel import reflectances
 from lenstrace.optics.vectors import Vector, root_or_zero
 from lenstrace.scene.colours import Colour
-from lenstrace.scene.dispersion import FlatIndex
+from lenstrace.scene.materials.index import FlatIndex, disperses
 from lenstrace.scene.materials.material import Branch, Place, Scattering, mirrored, none
 
 
@@ -26,7 +26,7 @@ class Dielectric:
     @property
     def disperses(self) -> bool:
         """Whether the wavelength makes a difference."""
-        return self.index.disperses or self.outside.disperses
+        return disperses(self.index, self.outside)
 
     def sample(self, place: Place, outgoing: Vector, u: jax.Array, v: jax.Array, w: jax.Array) -> Scattering:
         """Reflected with the chance of the reflected share, else refracted; u and v make no difference.

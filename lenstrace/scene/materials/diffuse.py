@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 
 from lenstrace.compute.pytree import pytree
+from lenstrace.optics.turns import turned
 from lenstrace.optics.vectors import Vector
 from lenstrace.scene.colours import Colour, scaled
 from lenstrace.scene.materials.material import Branch, Place, Scattering, no_branches
@@ -42,5 +43,5 @@ class Diffuse:
 
 def about_normal(u: jax.Array, v: jax.Array) -> Vector:
     """A direction about +z with density cos / pi, of u, v in [0, 1): a point of the disk, lifted. cos is never 0."""
-    radius, turn = jnp.sqrt(u), 2 * jnp.pi * v
-    return radius * jnp.cos(turn), radius * jnp.sin(turn), jnp.sqrt(1 - u)
+    radius, (cos, sin) = jnp.sqrt(u), turned(v)
+    return radius * cos, radius * sin, jnp.sqrt(1 - u)

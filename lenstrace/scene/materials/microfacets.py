@@ -14,6 +14,7 @@ from __future__ import annotations
 import jax
 import jax.numpy as jnp
 
+from lenstrace.optics.turns import turned
 from lenstrace.optics.vectors import Vector, normalize, root_or_zero
 
 
@@ -37,8 +38,8 @@ def visible_normal(roughness: jax.Array, outgoing: Vector, u: jax.Array, v: jax.
     """A normal as seen from `outgoing`, for u, v in [0, 1): a unit vector, z > 0."""
     x, y, z = normalize((roughness * outgoing[0], roughness * outgoing[1], outgoing[2]))
     height = (1 - u) * (1 + z) - z
-    radius, turn = root_or_zero(1 - height * height), 2 * jnp.pi * v
-    a, b, c = radius * jnp.cos(turn) + x, radius * jnp.sin(turn) + y, height + z
+    radius, (cos, sin) = root_or_zero(1 - height * height), turned(v)
+    a, b, c = radius * cos + x, radius * sin + y, height + z
     # c >= 0, and 0 only where u is 1
     tiny = jnp.finfo(c.dtype).tiny
     return normalize((roughness * a, roughness * b, jnp.maximum(c, tiny)))

@@ -54,7 +54,8 @@ class RoughConductor:
         """The mirrored ray, or one of its gloss."""
         if gloss is None:
             return (mirrored(outgoing), self._reflectance(outgoing[2])), no_branches(outgoing)[1]
-        incoming, weight, _ = self.sample(place, outgoing, *gloss, gloss[0])
+        u, v = gloss
+        incoming, weight, _ = self.sample(place, outgoing, u, v, u)
         return (incoming, weight), no_branches(outgoing)[1]
 
     def _reflectance(self, cosine: jax.Array) -> Colour:

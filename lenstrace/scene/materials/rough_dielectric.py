@@ -18,9 +18,9 @@ import jax.numpy as jnp
 from lenstrace.compute.pytree import pytree
 from lenstrace.optics.fresnel import reflectances
 from lenstrace.optics.vectors import Vector, divide_where, dot, root_or_zero
-from lenstrace.scene.colours import Colour, scaled
+from lenstrace.scene.colours import Colour
 from lenstrace.scene.materials.dielectric import Dielectric
-from lenstrace.scene.dispersion import FlatIndex
+from lenstrace.scene.materials.index import FlatIndex, disperses
 from lenstrace.scene.materials.material import Branch, Place, Scattering
 from lenstrace.scene.materials.microfacets import distribution, reflected, unshadowed, visible_normal
 
@@ -37,7 +37,7 @@ class RoughDielectric:
     @property
     def disperses(self) -> bool:
         """Whether the wavelength makes a difference."""
-        return self.index.disperses or self.outside.disperses
+        return disperses(self.index, self.outside)
 
     def sample(self, place: Place, outgoing: Vector, u: jax.Array, v: jax.Array, w: jax.Array) -> Scattering:
         """At a small surface that is seen, reflected with the chance of its reflectance, else refracted."""

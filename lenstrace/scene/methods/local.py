@@ -18,7 +18,7 @@ from lenstrace.scene.world import World
 
 
 class Seen(NamedTuple):
-    """radiance: that comes straight from the lights.      hit, surface: what is met.       rays: how many were traced."""
+    """radiance: that comes straight from the lights.    hit, surface: what is met.    rays: how many were traced."""
 
     radiance: Colour
     hit: Hit
@@ -35,7 +35,7 @@ def look(world: World, ray: SceneRay, wanted: jax.Array, spread: tuple[jax.Array
     seen = jax.tree.map(lambda a, b: jnp.where(met, a, jnp.where(wanted, b, 0)), shining, beyond)
     surface = surface_of(world, ray, hit)
     lit, asked = _lit(world, ray, hit, surface, met, spread)
-    return Seen(plus(seen, lit), hit, surface, wanted + asked)
+    return Seen(plus(seen, lit), hit, surface, wanted.astype(jnp.int32) + asked)
 
 
 def _lit(
@@ -63,6 +63,6 @@ def _lit(
         asked = wanted & (largest(brought) > 0)
         shadow = ray.onward(hit.point, light.direction, hit.primitive)
         lit = asked & ~blocked(world, shadow, jnp.where(asked, light.distance, 0), light.target)
-        return plus(found[0], scaled(brought, jnp.where(lit, 1, 0).astype(zero.dtype))), found[1] + asked
+        return plus(found[0], scaled(brought, lit.astype(zero.dtype))), found[1] + asked.astype(jnp.int32)
 
     return lax.fori_loop(0, world.lights.kind.shape[0], one, dark)

@@ -75,7 +75,7 @@ def _segment(world: World, walk: _Walk, further: jax.Array, chance: jax.Array, f
     """One ray of a walk; further: whether another may follow; chance: whether roulette is played."""
     hit = intersect(world, walk.ray, walk.alive)
     met = walk.alive & hit.met
-    rays = walk.rays + walk.alive
+    rays = walk.rays + walk.alive.astype(jnp.int32)
     cosine = -dot(walk.ray.direction, hit.normal)
     shining, density = emitted(world, hit.primitive, met, hit.distance, cosine)
     beyond, far_density = background(world, walk.ray.direction)
@@ -87,7 +87,7 @@ def _segment(world: World, walk: _Walk, further: jax.Array, chance: jax.Array, f
     surface = surface_of(world, walk.ray, hit)
     if world.chosen.shape[0]:
         lit, asked = _direct(world, walk.ray, hit, surface, met & further, for_light)
-        radiance, rays = plus(radiance, times(walk.weight, lit)), rays + asked
+        radiance, rays = plus(radiance, times(walk.weight, lit)), rays + asked.astype(jnp.int32)
     way = scatter(world, surface, *for_way[:3])
     weight = times(walk.weight, way.weight)
     survival = jnp.where(chance, jnp.minimum(largest(weight), SURVIVAL), 1)

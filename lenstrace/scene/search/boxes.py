@@ -30,4 +30,4 @@ def boxes(shape: Any, frame: Frame | None) -> tuple[np.ndarray, np.ndarray] | No
 
 def _rows(vector: Any) -> np.ndarray:
     """Three arrays (K,) as one, (K, 3)."""
-    return np.stack([np.asarray(each, float) for each in vector], -1)
+    return np.stack(np.broadcast_arrays(*(np.asarray(each, float) for each in vector)), -1)

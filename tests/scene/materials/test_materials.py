@@ -12,7 +12,7 @@ from lenstrace.optics.fresnel import reflectances
 from lenstrace.scene.materials.blinn_phong import BlinnPhong
 from lenstrace.scene.materials.dielectric import Dielectric
 from lenstrace.scene.materials.diffuse import Diffuse
-from lenstrace.scene.dispersion import FlatIndex
+from lenstrace.scene.materials.index import FlatIndex
 from lenstrace.scene.materials.material import Place
 from lenstrace.scene.materials.mirror import Mirror
 from lenstrace.scene.materials.rough_conductor import RoughConductor, metal_reflectance
@@ -92,7 +92,7 @@ def expected(material, outgoing, outside):
 def test_directions_are_chosen_with_the_density_that_is_told(name, cosine, outside):
     """Chi-square over cells of the sphere, 1e6 samples; cells expected to hold fewer than 5 are pooled."""
     material, outgoing = numbers(SPREADING[name]), toward(cosine)
-    incoming, weight, density = sampled(material, outgoing, 3, outside=outside)
+    incoming, _, density = sampled(material, outgoing, 3, outside=outside)
     lives = np.asarray(density) > 0
     counts = np.bincount(cells(tuple(np.asarray(a)[lives] for a in incoming)), minlength=ROWS * COLUMNS)
     means = COUNT * expected(material, outgoing, outside)

@@ -1,0 +1,51 @@
+"""What is asked of every pixel, out of what a person asks."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from lenstrace.errors import SceneError
+from lenstrace.scene.build import world_of
+from lenstrace.scene.draws import Sampler
+from lenstrace.scene.lanes import Task
+from lenstrace.scene.methods.method import method_of
+from lenstrace.scene.objects import Scene
+from lenstrace.scene.rules import CAMERAS, check_outside, checked
+
+
+def task_of(
+    scene: Scene,
+    camera: Any,
+    size: tuple[int, int],
+    *,
+    method: str = "path",
+    depth: int | None = None,
+    threshold: float | None = None,
+    key: int | jax.Array = 0,
+    sampler: str = "independent",
+    dtype: Any = np.float32,
+) -> Task:
+    """The task of a picture, no samples yet; arguments as of `render`. SceneError for what cannot be rendered."""
+    if min(size) < 1:
+        raise SceneError(f"size: width and height must be at least 1 pixel, got {size[0]}x{size[1]}")
+    if sampler not in [each.value for each in Sampler]:
+        raise SceneError(f"sampler: unknown {sampler!r}; one of {', '.join(each.value for each in Sampler)}")
+    world = world_of(scene, dtype)
+    eye = jax.tree.map(lambda a: jnp.asarray(a, dtype), checked(camera, CAMERAS))
+    check_outside(camera.view.position, scene)
+    how = method_of(method, depth, threshold, dtype)
+    width, height, word = (jnp.asarray(number, jnp.uint32) for number in (*size, _word(key)))
+    nothing = jnp.asarray(0, jnp.int32)
+    return Task(world, eye, how, width, height, word, nothing, nothing, Sampler(sampler))
+
+
+def _word(key: int | jax.Array) -> int:
+    """32 bits of a key."""
+    if isinstance(key, int):
+        return key % 2**32
+    words = np.asarray(jax.random.key_data(key), np.uint32).ravel()
+    return int(np.bitwise_xor.reduce(words * np.arange(1, 2 * len(words), 2, dtype=np.uint32)))
