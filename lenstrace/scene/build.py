@@ -9,44 +9,52 @@ import jax.numpy as jnp
 import numpy as np
 
 from lenstrace.errors import LensTraceError, SceneError
-from lenstrace.scene.frame import frame_at
-from lenstrace.scene.lights.area import AreaLight
 from lenstrace.scene.lights.delta import DistantLight, PointLight
 from lenstrace.scene.lights.environment import Environment, environment
+from lenstrace.scene.mesh import Mesh
 from lenstrace.scene.objects import Object, Scene
 from lenstrace.scene.rules import LIGHTS, MATERIALS, SHAPES, SHINING, checked, colour, vector
+from lenstrace.scene.search.kind import Way
+from lenstrace.scene.searched import check_mesh, lights_of, primitives_of, searched
 from lenstrace.scene.stacks import stack
-from lenstrace.scene.world import Primitive, World
+from lenstrace.scene.world import World
 
 # The radius of a scene, by which the power of light from far away is weighed against that of near ones.
 RADIUS = 1.0
 
 
-def world_of(scene: Scene, dtype: Any = np.float32) -> World:
-    """The numbers of a scene in a precision. SceneError for the first rule that the scene breaks."""
+def world_of(scene: Scene, dtype: Any = np.float32, way: Way = Way.AUTO) -> World:
+    """The numbers of a scene in a precision. SceneError for the first rule that the scene breaks.
+
+    way: how the nearest of many primitives is found.
+    """
     if not scene.objects:
         raise SceneError("objects: a scene needs at least one, got none")
     items = [_checked(item, f"object {i}") for i, item in enumerate(scene.objects, 1)]
-    primitives = [
-        Primitive(item.shape, frame_at(item.position, item.rotation, item.motion), np.int32(number))
-        for number, item in enumerate(items)
-    ]
     # what was written once is one material, however many objects are of it
     of_id = {id(raw.material): item.material for raw, item in zip(scene.objects, items, strict=True)}
     order = list(of_id)
     lights = [_said(f"light {i}", checked, light, LIGHTS) for i, light in enumerate(scene.lights, 1)]
-    shining = np.full(len(items), -1, np.int32)
-    for number, item in enumerate(items):
+    powers = [_power(light) for light in lights]
+    primitives, materials, shining = [], [], []
+    # the triangles of all meshes follow each other
+    for raw, item in sorted(zip(scene.objects, items, strict=True), key=lambda pair: isinstance(pair[1].shape, Mesh)):
+        some = _said(item.name or "object", primitives_of, item, len(materials), dtype)
+        primitives.append(some)
+        materials += [order.index(id(raw.material))] * some.count
+        shining += [-1] * some.count if item.emission is None else range(len(powers), len(powers) + some.count)
         if item.emission is not None:
-            shining[number] = len(lights)
-            lights.append(AreaLight(item.shape, primitives[number].frame, item.emission, np.int32(number)))
+            lights.append(lights_of(some, item.emission))
+            powers += (np.pi * np.mean(item.emission) * np.asarray(some.things.shape.area(), float)).tolist()
     around = None if scene.environment is None else _said("environment", _around, scene.environment, dtype)
-    powers = [_power(light) for light in lights] + ([] if around is None else [_power_around(around)])
+    powers += [] if around is None else [_power_around(around)]
+    standing, searches = searched(stack(primitives, dtype), way)
     return World(
-        stack(primitives, dtype),
-        jnp.asarray(np.array([order.index(id(raw.material)) for raw in scene.objects], np.int32)),
+        standing,
+        searches,
+        jnp.asarray(np.array(materials, np.int32)),
         stack(list(of_id.values()), dtype),
-        jnp.asarray(shining) if np.any(shining >= 0) else None,
+        jnp.asarray(np.array(shining, np.int32)) if max(shining) >= 0 else None,
         stack(lights, dtype) if lights else None,
         jnp.asarray(_cumulated(powers), dtype),
         around,
@@ -60,6 +68,8 @@ def _checked(item: Object, where: str) -> Object:
     if emission is not None and not isinstance(item.shape, SHINING):
         names = ", ".join(kind.__name__ for kind in SHINING)
         raise SceneError(f"{where}: emission of a {type(item.shape).__name__} is not known; one of {names} may shine")
+    if isinstance(item.shape, Mesh):
+        _said(where, check_mesh, item)
     return Object(
         _said(f"{where}: shape", checked, item.shape, SHAPES),
         _said(f"{where}: material", checked, item.material, MATERIALS),
@@ -103,7 +113,7 @@ def _power(light: Any) -> float:
         return 4 * np.pi * float(np.mean(light.intensity))
     if isinstance(light, DistantLight):
         return np.pi * RADIUS**2 * float(np.mean(light.irradiance))
-    return np.pi * float(light.shape.area()) * float(np.mean(light.radiance))
+    raise TypeError(f"no light: {light!r}")
 
 
 def _power_around(around: Environment) -> float:

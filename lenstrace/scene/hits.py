@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, NamedTuple
+from collections.abc import Iterator
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 from jax import lax
 
 from lenstrace.optics.shapes.shape import along, touch
+from lenstrace.optics.shapes.triangle import Triangle
 from lenstrace.optics.vectors import Vector, normalize
 from lenstrace.scene.rays import NOWHERE, SceneRay
+from lenstrace.scene.search import embree, walk
+from lenstrace.scene.search.embree import Embree
+from lenstrace.scene.search.hierarchy import Hierarchy
+from lenstrace.scene.search.kind import Search
+from lenstrace.scene.search.starts import off_triangle
+from lenstrace.scene.stacks import gathered
 from lenstrace.scene.world import Primitive, World
 
 
@@ -30,14 +37,17 @@ class Hit(NamedTuple):
     normal: Vector
 
 
-def intersect(world: World, ray: SceneRay) -> Hit:
-    """The nearest primitive along each ray. Derivatives are those of the primitive that is met, not of its outline."""
-    distance, primitive = nearest(*lax.stop_gradient((world, ray)))
+def intersect(world: World, ray: SceneRay, wanted: jax.Array | None = None) -> Hit:
+    """The nearest primitive along each ray. Derivatives are those of the primitive that is met, not of its outline.
+
+    wanted: whether a ray is to be traced at all, which saves the time for those that are not; they meet nothing.
+    """
+    distance, primitive = nearest(*lax.stop_gradient((world, ray)), wanted)
     met = primitive != NOWHERE
     distance = jnp.where(met, distance, 0)
 
     def there(kind: Primitive) -> tuple[jax.Array, Vector, Vector]:
-        point, direction = _local(kind, ray)
+        point, direction = kind.local(ray)
         reached = touch(kind.shape, point, direction, distance)
         normal = normalize(kind.shape.normal(along(point, direction, reached)))
         normal = normal if kind.frame is None else kind.frame.outer_direction(normal)
@@ -47,45 +57,62 @@ def intersect(world: World, ray: SceneRay) -> Hit:
     return Hit(met, primitive, distance, point, normal)
 
 
-def nearest(world: World, ray: SceneRay) -> tuple[jax.Array, jax.Array]:
-    """Distance to the nearest primitive and its number; inf and NOWHERE where there is none."""
-
-    def nearer(best: tuple[jax.Array, jax.Array], primitive: Primitive) -> tuple[jax.Array, jax.Array]:
-        distance = _distance(primitive, ray)
-        less = distance < best[0]
-        return jnp.where(less, distance, best[0]), jnp.where(less, primitive.number, best[1])
-
-    nothing = jnp.full_like(ray.point[0], jnp.inf), jnp.full(ray.start.shape, NOWHERE, jnp.int32)
-    return _over(world, nearer, nothing)
+def nearest(world: World, ray: SceneRay, wanted: jax.Array | None = None) -> tuple[jax.Array, jax.Array]:
+    """Distance to the nearest primitive and its number; NOWHERE where there is none."""
+    far = jnp.full_like(ray.point[0], jnp.inf)
+    best = far if wanted is None else jnp.where(wanted, far, 0), jnp.full(ray.start.shape, NOWHERE, jnp.int32)
+    for kind, search, begun in _kinds(world, ray):
+        found = _nearest_of(kind, search, begun, best[0])
+        less = found[0] < best[0]
+        best = jnp.where(less, found[0], best[0]), jnp.where(less, found[1], best[1])
+    return best
 
 
 def blocked(world: World, ray: SceneRay, distance: jax.Array, target: jax.Array) -> jax.Array:
     """Whether anything but the primitive `target` stands between the beginning of a ray and the point at a distance."""
-
-    def stands(found: jax.Array, primitive: Primitive) -> jax.Array:
-        return found | ((_distance(primitive, ray) < distance) & (primitive.number != target))
-
-    return _over(world, stands, jnp.zeros(ray.start.shape, bool))
-
-
-def _over(world: World, step: Callable[[Any, Primitive], Any], begin: Any) -> Any:
-    """Through all primitives, kind after kind."""
-    found = begin
-    for kind in world.primitives.kinds:
-        found, _ = lax.scan(lambda found, primitive: (step(found, primitive), None), found, kind)
+    world, ray, distance = lax.stop_gradient((world, ray, distance))
+    found = jnp.zeros(ray.start.shape, bool)
+    for kind, search, begun in _kinds(world, ray):
+        found = found | _any_of(kind, search, begun, distance, target)
     return found
 
 
-def _distance(primitive: Primitive, ray: SceneRay) -> jax.Array:
-    """To the nearest point of a primitive, inf where it is not met."""
-    point, direction = _local(primitive, ray)
-    distance = jnp.full_like(ray.point[0], jnp.inf)
-    for root, real in primitive.shape.roots(point, direction, ray.start == primitive.number):
-        distance = jnp.where(real & (root > 0) & (root < distance), root, distance)
-    return distance
+def _kinds(world: World, ray: SceneRay) -> Iterator[tuple[Primitive, Search, SceneRay]]:
+    """The primitives of each kind, how they are searched, and where the ray begins for them."""
+    primitives = world.primitives
+    for i, (kind, search) in enumerate(zip(primitives.kinds, world.searches, strict=True)):
+        begun = ray
+        if isinstance(kind.shape, Triangle) and kind.frame is None:
+            number = jnp.maximum(ray.start, 0)
+            on = (ray.start != NOWHERE) & (primitives.kind[number] == i)
+            epsilon = embree.EPSILON if isinstance(search, Embree) else float(jnp.finfo(ray.point[0].dtype).eps)
+            begun = off_triangle(gathered(kind.shape, primitives.place[number]), ray, on, epsilon)
+        yield kind, search, begun
 
 
-def _local(primitive: Primitive, ray: SceneRay) -> tuple[Vector, Vector]:
-    if primitive.frame is None:
-        return ray.point, ray.direction
-    return primitive.frame.local(ray.point, ray.direction, ray.moment)
+def _nearest_of(kind: Primitive, search: Search, ray: SceneRay, limit: jax.Array) -> tuple[jax.Array, jax.Array]:
+    """Of one kind, before a limit."""
+    if isinstance(search, Embree):
+        return search.nearest(kind, ray, limit)
+    if isinstance(search, Hierarchy):
+        return walk.nearest(search, kind, ray, limit)
+
+    def nearer(best: tuple[jax.Array, jax.Array], primitive: Primitive) -> tuple[tuple[jax.Array, jax.Array], None]:
+        distance = primitive.distance(ray)
+        less = distance < best[0]
+        return (jnp.where(less, distance, best[0]), jnp.where(less, primitive.number, best[1])), None
+
+    return lax.scan(nearer, (limit, jnp.full(ray.start.shape, NOWHERE, jnp.int32)), kind)[0]
+
+
+def _any_of(kind: Primitive, search: Search, ray: SceneRay, limit: jax.Array, target: jax.Array) -> jax.Array:
+    """Of one kind, before a limit, but for the target."""
+    if isinstance(search, Embree):
+        return search.any_before(kind, ray, limit, target)
+    if isinstance(search, Hierarchy):
+        return walk.any_before(search, kind, ray, limit, target)
+
+    def stands(found: jax.Array, primitive: Primitive) -> tuple[jax.Array, None]:
+        return found | ((primitive.distance(ray) < limit) & (primitive.number != target)), None
+
+    return lax.scan(stands, jnp.zeros(ray.start.shape, bool), kind)[0]

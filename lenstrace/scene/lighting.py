@@ -13,13 +13,20 @@ from lenstrace.scene.lights.area import AreaLight
 from lenstrace.scene.lights.light import Lighting
 from lenstrace.scene.world import World
 
+# Among so many lights the chosen one is found by asking them all, among more by halving.
+FEW = 64
+
 
 def light_sample(world: World, point: Vector, u: jax.Array, v: jax.Array, w: jax.Array) -> Lighting:
     """One direction of one light, both chosen: densities and radiances count the choice. u, v, w: in [0, 1)."""
     count = world.chosen.shape[0]
     if count == 1:
         return _of_light(world, jnp.zeros(u.shape, jnp.int32), point, u, v, w)
-    number = jnp.clip(jnp.sum((w[..., None] >= world.chosen), -1).astype(jnp.int32), 0, count - 1)
+    if count > FEW:
+        number = jnp.searchsorted(world.chosen, w, side="right").astype(jnp.int32)
+    else:
+        number = jnp.sum((w[..., None] >= world.chosen), -1).astype(jnp.int32)
+    number = jnp.clip(number, 0, count - 1)
     chance, before = _chance(world, number)
     found = _of_light(world, number, point, u, v, (w - before) / chance)
     return found._replace(arriving=scaled(found.arriving, 1 / chance), density=found.density * chance)

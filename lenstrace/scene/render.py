@@ -15,15 +15,19 @@ import jax.numpy as jnp
 import numpy as np
 
 from lenstrace.compute.blocks import each
+from lenstrace.compute.tiles import each_tile
 from lenstrace.errors import AccuracyWarning, SceneError
 from lenstrace.scene.lanes import Sums, Task, samples_of
 from lenstrace.scene.objects import Scene
 from lenstrace.scene.picture import Picture
+from lenstrace.scene.search.kind import has_callback
 from lenstrace.scene.tally import Tally
 from lenstrace.scene.task import task_of
 
 # Pixels of a thread's share, and of a call; samples of a pixel in one call at most, and where nothing is said.
 CHUNK, BATCH, PASS = 1 << 11, 1 << 15, 16
+# Pixels of a tile, where the nearest triangle is asked for by calling back.
+TILE = 1 << 14
 SIZE = (256, 256)
 NO_LIGHT = "the scene has no light and is black: give it lights, an environment, or an object with emission"
 
@@ -125,7 +129,10 @@ def _run(task: Task, pixel: int, batch: int, pixels: int, first: int, number: in
     """Samples of a batch of pixels; those beyond the last repeat it."""
     numbers = np.minimum(np.arange(pixel, pixel + batch), pixels - 1).astype(np.uint32)
     counted = {"first": jnp.asarray(first, jnp.int32), "count": jnp.asarray(number, jnp.int32)}
-    return each(samples_of, dataclasses.replace(task, **counted), numbers, CHUNK)
+    task = dataclasses.replace(task, **counted)
+    if has_callback(task.world.searches):
+        return each_tile(samples_of, task, numbers, TILE)
+    return each(samples_of, task, numbers, CHUNK)
 
 
 def _passes(limit: int | None) -> Iterator[int]:

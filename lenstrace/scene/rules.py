@@ -36,14 +36,15 @@ from lenstrace.scene.materials.mirror import Mirror
 from lenstrace.scene.materials.rough_conductor import RoughConductor
 from lenstrace.scene.materials.rough_dielectric import RoughDielectric
 from lenstrace.scene.materials.texture import Checker
+from lenstrace.scene.mesh import Mesh
 from lenstrace.scene.objects import Scene
 
 # Below it the highlights of float32 would be lost to rounding.
 SMOOTHEST = 1e-3
 
-SHAPES = (Sphere, Plane, Rectangle, Disk, Box, Cylinder, Torus, ConicCap, AsphereCap, Triangle, Implicit)
+SHAPES = (Sphere, Plane, Rectangle, Disk, Box, Cylinder, Torus, ConicCap, AsphereCap, Triangle, Implicit, Mesh)
 # Those of which every part of the area is as likely as another to be taken for a light.
-SHINING = (Sphere, Rectangle, Disk, Triangle)
+SHINING = (Sphere, Rectangle, Disk, Triangle, Mesh)
 SOLIDS = (Sphere, Box, Cylinder, Torus)
 MATERIALS = (Diffuse, Mirror, Dielectric, RoughConductor, RoughDielectric, BlinnPhong)
 LIGHTS = (PointLight, DistantLight)
@@ -146,6 +147,7 @@ RULES: Mapping[type, Mapping[str, Rule]] = {
     Plane: {},
     Torus: {"major": positive, "minor": positive},
     Triangle: {"a": vector, "b": vector, "c": vector},
+    Mesh: {},
     Diffuse: {"albedo": coating},
     Mirror: {"reflectance": coating},
     BlinnPhong: {"diffuse": coating, "specular": coating, "exponent": not_negative},

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -44,24 +45,45 @@ def gathered(stacked: Any, place: jax.Array) -> Any:
     return jax.tree.map(lambda a: a[jnp.clip(place, 0, a.shape[0] - 1)], stacked)
 
 
+@dataclasses.dataclass(frozen=True)
+class Many:
+    """Things that are stacked already: `count` of them, with leaves (count, ...)."""
+
+    things: Any
+    count: int
+
+
 def stack(things: Sequence[Any], dtype: Any) -> Stack:
-    """Stack things; real numbers become `dtype`."""
-    orders: dict[Any, list[int]] = {}
-    for number, thing in enumerate(things):
-        leaves, structure = jax.tree.flatten(thing)
-        orders.setdefault((structure, *(np.shape(leaf) for leaf in leaves)), []).append(number)
-    kind, place = np.zeros((2, len(things)), np.int32)
-    for i, numbers in enumerate(orders.values()):
+    """Stack things, and those of each `Many` in their order; real numbers become `dtype`."""
+    groups: dict[Any, list[tuple[int, int, list[np.ndarray]]]] = {}
+    total = 0
+    for thing in things:
+        many = thing if isinstance(thing, Many) else Many(jax.tree.map(lambda a: np.asarray(a)[None], thing), 1)
+        leaves, structure = jax.tree.flatten(many.things)
+        arrays, count = [np.asarray(leaf) for leaf in leaves], many.count
+        groups.setdefault((structure, *(array.shape[1:] for array in arrays)), []).append((total, count, arrays))
+        total += count
+    kind, place = np.zeros((2, total), np.int32)
+    kinds = []
+    for i, ((structure, *_), members) in enumerate(groups.items()):
+        numbers = np.concatenate([np.arange(first, first + count) for first, count, _ in members])
         kind[numbers], place[numbers] = i, np.arange(len(numbers))
-    kinds = tuple(stacked([things[number] for number in numbers], dtype) for numbers in orders.values())
-    return Stack(kinds, jnp.asarray(kind), jnp.asarray(place))
+        columns = zip(*(arrays for _, _, arrays in members), strict=True)
+        kinds.append(structure.unflatten([_of_precision(np.concatenate(column), dtype) for column in columns]))
+    return Stack(tuple(kinds), jnp.asarray(kind), jnp.asarray(place))
 
 
-def stacked(things: Sequence[Any], dtype: Any) -> Any:
-    """Things of one structure as one, with leaves (K, ...); real numbers become `dtype`."""
+def reordered(stack: Stack, orders: Sequence[np.ndarray | None]) -> Stack:
+    """The same things, those of each kind in another order in its stack; None: as they are."""
+    kinds, kind, place = list(stack.kinds), np.asarray(stack.kind), np.array(stack.place)
+    for i, order in enumerate(orders):
+        if order is not None:
+            new_place = np.empty_like(order)
+            new_place[order] = np.arange(len(order))
+            kinds[i] = jax.tree.map(lambda a, order=order: jnp.asarray(np.asarray(a)[order]), kinds[i])
+            place[kind == i] = new_place[place[kind == i]]
+    return Stack(tuple(kinds), stack.kind, jnp.asarray(place))
 
-    def together(*leaves: Any) -> jax.Array:
-        array = np.stack([np.asarray(leaf) for leaf in leaves])
-        return jnp.asarray(array, dtype if np.issubdtype(array.dtype, np.floating) else array.dtype)
 
-    return jax.tree.map(together, *things)
+def _of_precision(array: np.ndarray, dtype: Any) -> jax.Array:
+    return jnp.asarray(array, dtype if np.issubdtype(array.dtype, np.floating) else array.dtype)

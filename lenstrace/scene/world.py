@@ -5,10 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 
 from lenstrace.compute.pytree import pytree
+from lenstrace.optics.vectors import Vector
 from lenstrace.scene.frame import Frame
 from lenstrace.scene.lights.environment import Environment
+from lenstrace.scene.rays import SceneRay
+from lenstrace.scene.search.kind import Search
 from lenstrace.scene.stacks import Stack
 
 
@@ -20,12 +24,27 @@ class Primitive:
     frame: Frame | None
     number: Any
 
+    def local(self, ray: SceneRay) -> tuple[Vector, Vector]:
+        """Point and direction of a ray as the shape sees them."""
+        if self.frame is None:
+            return ray.point, ray.direction
+        return self.frame.local(ray.point, ray.direction, ray.moment)
+
+    def distance(self, ray: SceneRay) -> jax.Array:
+        """To the nearest point of it, inf where it is not met."""
+        point, direction = self.local(ray)
+        distance = jnp.full_like(ray.point[0], jnp.inf)
+        for root, real in self.shape.roots(point, direction, ray.start == self.number):
+            distance = jnp.where(real & (root > 0) & (root < distance), root, distance)
+        return distance
+
 
 @pytree
 class World:
     """What rays may meet.
 
     primitives:  their `Primitive`s, 0 to P - 1.
+    searches:    for each kind of primitives how the nearest is found; see `search`.
     material:    (P,), number of the material of each.        materials: the materials.
     light:       (P,), number of the light that a primitive is, -1 for none; None where no primitive shines.
     lights:      point, distant and area lights, or None.
@@ -34,6 +53,7 @@ class World:
     """
 
     primitives: Stack
+    searches: tuple[Search, ...]
     material: jax.Array
     materials: Stack
     light: jax.Array | None

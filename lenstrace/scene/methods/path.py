@@ -73,7 +73,7 @@ class Path:
 
 def _segment(world: World, walk: _Walk, further: jax.Array, chance: jax.Array, for_light: Four, for_way: Four) -> _Walk:
     """One ray of a walk; further: whether another may follow; chance: whether roulette is played."""
-    hit = intersect(world, walk.ray)
+    hit = intersect(world, walk.ray, walk.alive)
     met = walk.alive & hit.met
     rays = walk.rays + walk.alive.astype(jnp.int32)
     cosine = -dot(walk.ray.direction, hit.normal)

@@ -1,0 +1,1 @@
+"""How the nearest of many primitives is found without asking them all."""
