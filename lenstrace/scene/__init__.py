@@ -26,6 +26,9 @@ from lenstrace.scene.materials.mirror import Mirror
 from lenstrace.scene.materials.rough_conductor import RoughConductor
 from lenstrace.scene.materials.rough_dielectric import RoughDielectric
 from lenstrace.scene.materials.texture import Checker
+from lenstrace.scene.mesh import Mesh
+from lenstrace.scene.mesh_file import load_mesh
+from lenstrace.scene.mesh_formula import Parametric, formula_mesh
 from lenstrace.scene.objects import Object, Scene
 from lenstrace.scene.picture import Picture
 from lenstrace.scene.render import Progress, render
@@ -44,9 +47,11 @@ __all__ = [
     "Disk",
     "DistantLight",
     "Implicit",
+    "Mesh",
     "Mirror",
     "Object",
     "Orthographic",
+    "Parametric",
     "Picture",
     "Pinhole",
     "Plane",
@@ -61,5 +66,7 @@ __all__ = [
     "Torus",
     "Triangle",
     "View",
+    "formula_mesh",
+    "load_mesh",
     "render",
 ]
