@@ -1,0 +1,270 @@
+"""The pupil as the film sees it: a bound, for every point of the film, of the directions that come through the lens.
+
+Directions are given by the stop: with y = A h + B u, the paraxial height at the stop of a ray that leaves the film at h
+with slope u, and R the stop's radius, the point (s, t) of the pupil is the slope
+
+    u = chief h + marginal (s, t),      chief = -A / B,   marginal = R / B,
+
+so that (s, t) fills the unit disk wherever the film point is, but for the aberrations of the pupil and for vignetting.
+The bound in (s, t), found by tracing, is a table over the radius of the film point, for a lens of revolution in axes
+turned toward that point; else one for all points. It is an ellipse where all apertures are round, else a rectangle.
+
+A derivative by a number of the lens sees the paraxial pupil move, by chief and marginal; the bound in (s, t) is held
+fixed. See `LensCamera` for what that means.
+
+Source: C. Kolb, D. Mitchell, P. Hanrahan, A realistic camera model for computer graphics, SIGGRAPH 95, 317, section 4;
+M. Pharr, W. Jakob, G. Humphreys, Physically Based Rendering (3rd ed.), section 6.4.5: the bound over the film's radius.
+"""
+
+from __future__ import annotations
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import lax
+
+from lenstrace.compute.compiled import compiled
+from lenstrace.compute.pytree import pytree, static
+from lenstrace.optics.rays import living
+from lenstrace.sequential import paraxial
+from lenstrace.sequential.system import System
+from lenstrace.sequential.trace import trace
+
+NODES = 17  # of the table
+FINE = 4  # film points searched for each step of the table
+FIRST_HALF = 2.0  # of the box that is searched first, stop radii
+GRID = 64  # points across the box
+GROWING, ROUNDS = 3, 6  # rounds in which a box may still grow, and in which it is fitted to what passes
+SIDE_POINTS = 5  # film points across, for a lens that is not one of revolution
+AXIS_GRIDS = 4  # such grids across the pupil of the axial film point, for its irradiance
+SIGNS = (-1, 1, -1, 1)  # of the sides of a box: low s, high s, low t, high t
+BATCH = 5  # film points traced at once; divides their number
+
+
+@pytree
+class PupilBound:
+    """Where in (s, t) light may come from, for film points at radius h.
+
+    step:   mm of film radius from one node to the next.
+    centre_s, centre_t, half_s, half_t:  (K,), at the nodes; between them linear, beyond the last one its own.
+    turned: s is along the film point's radius, else along x.      ellipse: with those half axes, else a rectangle.
+    """
+
+    step: jax.Array
+    centre_s: jax.Array
+    centre_t: jax.Array
+    half_s: jax.Array
+    half_t: jax.Array
+    turned: bool = static(default=True)
+    ellipse: bool = static(default=True)
+
+    def at(self, radius: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array, jax.Array]:
+        """Centre and half axes at a radius, mm."""
+        last = self.centre_s.shape[0] - 1
+        place = jnp.clip(radius / self.step, 0, last)
+        node = jnp.clip(place.astype(jnp.int32), 0, last - 1)
+        share = place - node.astype(place.dtype)
+        s, t, a, b = (
+            table[node] + share * (table[node + 1] - table[node])
+            for table in (self.centre_s, self.centre_t, self.half_s, self.half_t)
+        )
+        return s, t, a, b
+
+
+@pytree
+class PupilSearch:
+    """What is searched. system: the reversed lens, its object the film; index: (W, S + 1), the first the primary's;
+    radius: of the stop, mm; widest: the largest film radius, mm."""
+
+    system: System
+    index: jax.Array
+    radius: jax.Array
+    widest: jax.Array
+    turned: bool = static()
+    ellipse: bool = static()
+
+
+@pytree
+class PupilFound:
+    """chief (1/mm), marginal: see above. bound: of what passes. irradiance: on the axial film point from a unit of
+    radiance, without losses. reach: how far from the axis light passes there, stop radii."""
+
+    chief: jax.Array
+    marginal: jax.Array
+    bound: PupilBound
+    irradiance: jax.Array
+    reach: jax.Array
+
+
+@compiled
+def search(asked: PupilSearch) -> PupilFound:
+    """Find the bound. What passes at any of the wavelengths lies inside it, as far as the grids see, and each box is
+    wider by one step of its grid on every side."""
+    chief, marginal = _paraxial(asked)
+    fixed = jax.tree.map(lax.stop_gradient, asked)
+    slopes = lax.stop_gradient((chief, marginal))
+    bound = (_round_bound if asked.turned else _common_bound)(fixed, slopes)
+    irradiance, reach = _on_axis(asked, (chief, marginal), bound)
+    return PupilFound(chief, marginal, bound, irradiance, reach)
+
+
+def _paraxial(asked: PupilSearch) -> tuple[jax.Array, jax.Array]:
+    system = asked.system
+    assert system.object_distance is not None
+    m = paraxial.matrix(system, 1, system.stop, bend_last=False)
+    b = m.a * system.object_distance + m.b * system.index[0]
+    return -m.a / b, asked.radius / b
+
+
+@jax.jit
+def _passes(asked: PupilSearch, film: tuple[jax.Array, jax.Array], x: jax.Array, y: jax.Array) -> jax.Array:
+    """(W, ...), whether rays of each wavelength that leave a film point with slopes x and y arrive. Traced once."""
+    n = _cosine(x, y)
+    distance = jnp.asarray(asked.system.object_distance)
+    rays = living(film[0], film[1], -distance, x * n, y * n, n)
+
+    def at(index: jax.Array) -> jax.Array:
+        return trace(asked.system.replace(index=index), rays, last=asked.system.surfaces).ok
+
+    return jax.vmap(at)(asked.index)
+
+
+def _cosine(x: jax.Array, y: jax.Array) -> jax.Array:
+    return 1 / jnp.sqrt(1 + x * x + y * y)
+
+
+def _any_passes(
+    asked: PupilSearch, slopes: tuple[jax.Array, jax.Array], film: tuple[jax.Array, jax.Array], s: jax.Array, t: jax.Array
+) -> jax.Array:
+    """Whether light of any wavelength comes from (s, t)."""
+    chief, marginal = slopes
+    return jnp.any(_passes(asked, film, chief * film[0] + marginal * s, chief * film[1] + marginal * t), 0)
+
+
+def _grid(box: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
+    """Points (GRID, GRID) of a box (low s, high s, low t, high t), its edges among them, and their steps, (4,)."""
+    share = jnp.asarray(np.linspace(0, 1, GRID), box.dtype)
+    s, t = box[0] + (box[1] - box[0]) * share, box[2] + (box[3] - box[2]) * share
+    steps = jnp.repeat(box[1::2] - box[::2], 2) / (GRID - 1)
+    return jnp.broadcast_to(s[:, None], (GRID, GRID)), jnp.broadcast_to(t, (GRID, GRID)), steps
+
+
+def _boxes(
+    asked: PupilSearch, slopes: tuple[jax.Array, jax.Array], x: jax.Array, y: jax.Array
+) -> tuple[jax.Array, jax.Array]:
+    """(P, 4), the box of each film point, and whether anything passes."""
+    signs = jnp.asarray(SIGNS, asked.radius.dtype)
+
+    def fitted(film: tuple[jax.Array, jax.Array]) -> tuple[jax.Array, jax.Array]:
+        def step(i: jax.Array, state: tuple[jax.Array, jax.Array]) -> tuple[jax.Array, jax.Array]:
+            box, _ = state
+            s, t, steps = _grid(box)
+            passing = _any_passes(asked, slopes, film, s, t)
+            found, may_grow = jnp.any(passing), i < GROWING
+            ends = jnp.stack(
+                [
+                    end(jnp.where(passing, a, other))
+                    for a in (s, t)
+                    for end, other in ((jnp.min, jnp.inf), (jnp.max, -jnp.inf))
+                ]
+            )
+            at_edge = signs * (box - ends) < steps / 2
+            # a box that is too small grows by half on that side
+            grown = jnp.where(may_grow, box + signs * steps * (GRID - 1) / 2, box)
+            fit = jnp.where(at_edge & may_grow, grown, ends + signs * steps)
+            return jnp.where(found, fit, grown), found
+
+        first = (FIRST_HALF * signs, jnp.asarray(False))
+        return lax.fori_loop(0, ROUNDS, step, first)
+
+    return lax.map(fitted, (x, y), batch_size=BATCH)
+
+
+def _roundness(
+    asked: PupilSearch, slopes: tuple[jax.Array, jax.Array], film: tuple[jax.Array, jax.Array], box: jax.Array
+) -> jax.Array:
+    """(P,), by how much the ellipse in the box must be scaled to hold what passes, up to one step of the grid."""
+
+    def at(each: tuple[tuple[jax.Array, jax.Array], jax.Array]) -> jax.Array:
+        film, box = each
+        s, t, _ = _grid(box)
+        passing = _any_passes(asked, slopes, film, s, t)
+        share = jnp.asarray(np.linspace(-1, 1, GRID), box.dtype)
+        far = jnp.where(passing, share[:, None] ** 2 + share**2, 0)
+        return jnp.sqrt(jnp.max(far)) + 2 / (GRID - 1)
+
+    return lax.map(at, (film, box), batch_size=BATCH)
+
+
+def _round_bound(asked: PupilSearch, slopes: tuple[jax.Array, jax.Array]) -> PupilBound:
+    """The table over the film's radius."""
+    dtype = asked.radius.dtype
+    count = (NODES - 1) * FINE + 1
+    radii = asked.widest * jnp.asarray(np.linspace(0, 1, count), dtype)
+    boxes, found = _boxes(asked, slopes, radii, jnp.zeros_like(radii))
+    # where nothing passes the last box that something passes stands for it: blocked rays count nothing
+    last = lax.cummax(jnp.where(found, jnp.arange(count), 0))
+    boxes = boxes[last]
+    signs = jnp.asarray(SIGNS, dtype)
+    nodes = boxes[::FINE]
+    excess = jnp.where(found[:, None], signs * (boxes - _between(nodes)), 0)
+    nodes = nodes + signs * _worst(excess)
+    whole = _between(nodes)
+    scale = jnp.ones((NODES, 1), dtype)
+    if asked.ellipse:
+        scale = _worst(_roundness(asked, slopes, (radii, jnp.zeros_like(radii)), whole)[:, None])
+    return _bound(asked, nodes, scale[:, 0], asked.widest / (NODES - 1))
+
+
+def _common_bound(asked: PupilSearch, slopes: tuple[jax.Array, jax.Array]) -> PupilBound:
+    """One for all points of the film."""
+    dtype = asked.radius.dtype
+    side = np.linspace(-1, 1, SIDE_POINTS)
+    x, y = (asked.widest * jnp.asarray(a.ravel(), dtype) for a in np.meshgrid(side, side))
+    boxes, found = _boxes(asked, slopes, x, y)
+    low = jnp.min(jnp.where(found[:, None], boxes, jnp.inf), 0)
+    high = jnp.max(jnp.where(found[:, None], boxes, -jnp.inf), 0)
+    box = jnp.where(jnp.asarray([True, False, True, False]), low, high)
+    box = jnp.where(jnp.any(found), box, 0)
+    scale = jnp.ones((), dtype)
+    if asked.ellipse:
+        scale = jnp.max(_roundness(asked, slopes, (x, y), jnp.broadcast_to(box, boxes.shape)))
+    both = jnp.stack([box, box])
+    return _bound(asked, both, jnp.broadcast_to(scale, (2,)), asked.widest)
+
+
+def _bound(asked: PupilSearch, boxes: jax.Array, scale: jax.Array, step: jax.Array) -> PupilBound:
+    centre_s, centre_t = (boxes[:, 0] + boxes[:, 1]) / 2, (boxes[:, 2] + boxes[:, 3]) / 2
+    half_s, half_t = (boxes[:, 1] - boxes[:, 0]) / 2 * scale, (boxes[:, 3] - boxes[:, 2]) / 2 * scale
+    return PupilBound(step, centre_s, centre_t, half_s, half_t, asked.turned, asked.ellipse)
+
+
+def _between(nodes: jax.Array) -> jax.Array:
+    """Values at the fine places, linear between the nodes."""
+    share = jnp.asarray(np.arange(FINE) / FINE, nodes.dtype)[:, None]
+    inner = nodes[:-1, None] + share * (nodes[1:] - nodes[:-1])[:, None]
+    return jnp.concatenate([inner.reshape(-1, nodes.shape[1]), nodes[-1:]])
+
+
+def _worst(fine: jax.Array) -> jax.Array:
+    """For each node the largest value at the fine places up to its neighbours."""
+    parts = jnp.stack([fine[i : i + fine.shape[0] - FINE : FINE] for i in range(FINE + 1)])
+    largest = jnp.max(parts, 0)
+    return jnp.maximum(jnp.concatenate([largest[:1], largest]), jnp.concatenate([largest, largest[-1:]]))
+
+
+def _on_axis(
+    asked: PupilSearch, slopes: tuple[jax.Array, jax.Array], bound: PupilBound
+) -> tuple[jax.Array, jax.Array]:
+    """Irradiance at the axial film point: the integral of cos^4 over the slopes that pass; and how far they reach."""
+    fixed, zero = jax.tree.map(lax.stop_gradient, asked), jnp.zeros((), asked.radius.dtype)
+    count = GRID * AXIS_GRIDS
+    share = jnp.asarray((np.arange(count) + 0.5) / count * 2 - 1, asked.radius.dtype)
+    s = jnp.broadcast_to((bound.centre_s[0] + bound.half_s[0] * share)[:, None], (count, count))
+    t = jnp.broadcast_to(bound.centre_t[0] + bound.half_t[0] * share, (count, count))
+    x, y = slopes[1] * s, slopes[1] * t
+    grids = [lax.stop_gradient(a).reshape(-1, GRID, GRID) for a in (x, y)]
+    passing = lax.map(lambda grid: _passes(fixed, (zero, zero), *grid)[0], tuple(grids)).reshape(x.shape)
+    cell = 4 * bound.half_s[0] * bound.half_t[0] / count**2
+    irradiance = jnp.sum(jnp.where(passing, _cosine(x, y) ** 4, 0)) * cell * slopes[1] ** 2
+    return irradiance, jnp.sqrt(jnp.max(jnp.where(passing, s * s + t * t, 0)))
