@@ -31,7 +31,8 @@ from lenstrace.optics.rays import Ray, living
 from lenstrace.optics.vectors import divide_where, safe_sqrt
 from lenstrace.scene.cameras.focusing import focused, in_chain
 from lenstrace.scene.cameras.losses import absorption_loss, reflection_loss
-from lenstrace.scene.cameras.pupil import PupilBound, PupilFound, PupilSearch, search
+from lenstrace.scene.cameras.pupil import PupilFound, PupilSearch, search
+from lenstrace.scene.cameras.pupil_bound import PupilBound
 from lenstrace.scene.cameras.view import CameraRay, View, on_disk
 from lenstrace.scene.dispersion import Dispersion, dispersions_of
 from lenstrace.sequential import paraxial
@@ -45,7 +46,7 @@ FULL_FRAME = 24.0
 """The shorter side of 35 mm film, mm."""
 
 MM_PER_UM = 1e-3
-SEARCHED_UM = (0.4, 0.7)  # beside the primary wavelength: the pupil differs a little
+SEARCHED_UM = (0.4,)  # beside the primary wavelength: the pupil is a little another one, in blue light most
 # A stop that is opened beyond what the rims let through on the axis is not open: so much less is allowed.
 HINDERED = 0.97
 
@@ -60,17 +61,16 @@ class LensCamera:
     dispersion:     of the S + 1 media, from the film on; None where one is not known in visible light.
     half_film:      half the shorter side, mm; negative where the image is upside down, as it is in most lenses.
     pupil_ahead:    from the entrance pupil to the first vertex, mm along the view.
-    chief, marginal, bound:  see `pupil.py`.
+    chief, marginal, bound:  see `pupil_bound.py`.
     gain:           by what cos^4 / Z^2 dA is multiplied.
     unit_mm:        mm in a length of the scene.
     absorption:     (S + 1,), 1/mm, of the media, from the film on; None: clear.
     fresnel:        surfaces without a coating reflect.
 
-    Derivatives. Directions, focus, weights have those of the trace and of the paraxial pupil, in (s, t) the bound and
-    what is blocked are held fixed. The derivative of a pixel is therefore exact for what is smooth inside the pupil, and
-    for the part by which the pupil moves and grows paraxially. Left out is how its edge moves beside that: by the
-    aberrations of the pupil where the stop limits the light (with a stop that follows from the traced marginal ray a
-    part of the order of its spherical aberration), and wholly where rims cut it off (vignetting).
+    Derivatives. Directions, focus and weights have those of the trace; the bound moves as the rims do that limit the
+    pupil in four directions (`pupil_edges.py`), so that what a sample finds blocked is blocked still. Were it held fixed,
+    the derivative of a pixel would miss the light that comes and goes at the edge of the pupil. What is left out is a
+    change of form of the edge between the four, and the edge of a central obstruction. In reverse as in forward mode.
     """
 
     view: View
@@ -215,6 +215,7 @@ def lens_camera(
             jnp.asarray(widest, float),
             _is_round(turned, system) and round_apertures,
             round_apertures,
+            is_traced(prepared),
         )
     )
     if not is_traced(found):

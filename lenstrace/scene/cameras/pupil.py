@@ -1,19 +1,9 @@
-"""The pupil as the film sees it: a bound, for every point of the film, of the directions that come through the lens.
+"""Finding the pupil by tracing: a bound that cuts nothing off, and how much light comes through it.
 
-Directions are given by the stop: with y = A h + B u, the paraxial height at the stop of a ray that leaves the film at h
-with slope u, and R the stop's radius, the point (s, t) of the pupil is the slope
-
-    u = chief h + marginal (s, t),      chief = -A / B,   marginal = R / B,
-
-so that (s, t) fills the unit disk wherever the film point is, but for the aberrations of the pupil and for vignetting.
-The bound in (s, t), found by tracing, is a table over the radius of the film point, for a lens of revolution in axes
-turned toward that point; else one for all points. It is an ellipse where all apertures are round, else a rectangle.
-
-A derivative by a number of the lens sees the paraxial pupil move, by chief and marginal; the bound in (s, t) is held
-fixed. See `LensCamera` for what that means.
-
-Source: C. Kolb, D. Mitchell, P. Hanrahan, A realistic camera model for computer graphics, SIGGRAPH 95, 317, section 4;
-M. Pharr, W. Jakob, G. Humphreys, Physically Based Rendering (3rd ed.), section 6.4.5: the bound over the film's radius.
+Boxes in (s, t), see `pupil_bound.py`, are fitted to what passes a grid of rays, from a number of film points; between
+the nodes of the table they are widened until they hold all that was found. The light of all wavelengths is meant. A lens
+without rims has glass without an edge: on strange ways, far outside its pupil and its field, light may come through that
+the grids do not see; it counts only where the bound holds it.
 """
 
 from __future__ import annotations
@@ -26,55 +16,27 @@ from jax import lax
 from lenstrace.compute.compiled import compiled
 from lenstrace.compute.pytree import pytree, static
 from lenstrace.optics.rays import living
+from lenstrace.scene.cameras.pupil_bound import PupilBound
+from lenstrace.scene.cameras.pupil_edges import moving
 from lenstrace.sequential import paraxial
 from lenstrace.sequential.system import System
 from lenstrace.sequential.trace import trace
 
 NODES = 17  # of the table
-FINE = 4  # film points searched for each step of the table
+FINE = 2  # film points searched for each step of the table
 FIRST_HALF = 2.0  # of the box that is searched first, stop radii
 GRID = 64  # points across the box
 GROWING, ROUNDS = 3, 6  # rounds in which a box may still grow, and in which it is fitted to what passes
 SIDE_POINTS = 5  # film points across, for a lens that is not one of revolution
 AXIS_GRIDS = 4  # such grids across the pupil of the axial film point, for its irradiance
 SIGNS = (-1, 1, -1, 1)  # of the sides of a box: low s, high s, low t, high t
-BATCH = 5  # film points traced at once; divides their number
-
-
-@pytree
-class PupilBound:
-    """Where in (s, t) light may come from, for film points at radius h.
-
-    step:   mm of film radius from one node to the next.
-    centre_s, centre_t, half_s, half_t:  (K,), at the nodes; between them linear, beyond the last one its own.
-    turned: s is along the film point's radius, else along x.      ellipse: with those half axes, else a rectangle.
-    """
-
-    step: jax.Array
-    centre_s: jax.Array
-    centre_t: jax.Array
-    half_s: jax.Array
-    half_t: jax.Array
-    turned: bool = static(default=True)
-    ellipse: bool = static(default=True)
-
-    def at(self, radius: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array, jax.Array]:
-        """Centre and half axes at a radius, mm."""
-        last = self.centre_s.shape[0] - 1
-        place = jnp.clip(radius / self.step, 0, last)
-        node = jnp.clip(place.astype(jnp.int32), 0, last - 1)
-        share = place - node.astype(place.dtype)
-        s, t, a, b = (
-            table[node] + share * (table[node + 1] - table[node])
-            for table in (self.centre_s, self.centre_t, self.half_s, self.half_t)
-        )
-        return s, t, a, b
+BATCH = 11  # film points traced at once; one program where it divides their number
 
 
 @pytree
 class PupilSearch:
     """What is searched. system: the reversed lens, its object the film; index: (W, S + 1), the first the primary's;
-    radius: of the stop, mm; widest: the largest film radius, mm."""
+    radius: of the stop, mm; widest: the largest film radius, mm; moving: derivatives are wanted."""
 
     system: System
     index: jax.Array
@@ -82,6 +44,7 @@ class PupilSearch:
     widest: jax.Array
     turned: bool = static()
     ellipse: bool = static()
+    moving: bool = static()
 
 
 @pytree
@@ -104,6 +67,8 @@ def search(asked: PupilSearch) -> PupilFound:
     fixed = jax.tree.map(lax.stop_gradient, asked)
     slopes = lax.stop_gradient((chief, marginal))
     bound = (_round_bound if asked.turned else _common_bound)(fixed, slopes)
+    if asked.moving:
+        bound = moving(asked.system, chief, marginal, bound)
     irradiance, reach = _on_axis(asked, (chief, marginal), bound)
     return PupilFound(chief, marginal, bound, irradiance, reach)
 
