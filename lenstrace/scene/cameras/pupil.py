@@ -1,7 +1,7 @@
 """Finding the pupil by tracing: a bound that cuts nothing off, and how much light comes through it.
 
 Boxes in (s, t), see `pupil_bound.py`, are fitted to what passes a grid of rays, from a number of film points; between
-the nodes of the table they are widened until they hold all that was found. The light of all wavelengths is meant. A lens
+the nodes of the table they are widened until they hold all that was found, and a little on every side. The light of all wavelengths is meant. A lens
 without rims has glass without an edge: on strange ways, far outside its pupil and its field, light may come through that
 the grids do not see; it counts only where the bound holds it.
 """
@@ -25,10 +25,12 @@ from lenstrace.sequential.trace import trace
 NODES = 17  # of the table
 FINE = 2  # film points searched for each step of the table
 FIRST_HALF = 2.0  # of the box that is searched first, stop radii
-GRID = 64  # points across the box
-GROWING, ROUNDS = 3, 6  # rounds in which a box may still grow, and in which it is fitted to what passes
+GRID = 48  # points across the box
+GROWING, ROUNDS = 2, 5  # rounds in which a box may still grow, and in which it is fitted to what passes
 SIDE_POINTS = 5  # film points across, for a lens that is not one of revolution
 AXIS_GRIDS = 4  # such grids across the pupil of the axial film point, for its irradiance
+MARGIN = 0.01  # of the half width of a box: a pointed pupil may reach farther than the rays of a grid see
+ROUNDNESS = (1.0, 1.42)  # of its inscribed ellipse, up to the corners of the box
 SIGNS = (-1, 1, -1, 1)  # of the sides of a box: low s, high s, low t, high t
 BATCH = 11  # film points traced at once; one program where it divides their number
 
@@ -106,12 +108,19 @@ def _any_passes(
     return jnp.any(_passes(asked, film, chief * film[0] + marginal * s, chief * film[1] + marginal * t), 0)
 
 
-def _grid(box: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
-    """Points (GRID, GRID) of a box (low s, high s, low t, high t), its edges among them, and their steps, (4,)."""
-    share = jnp.asarray(np.linspace(0, 1, GRID), box.dtype)
-    s, t = box[0] + (box[1] - box[0]) * share, box[2] + (box[3] - box[2]) * share
-    steps = jnp.repeat(box[1::2] - box[::2], 2) / (GRID - 1)
-    return jnp.broadcast_to(s[:, None], (GRID, GRID)), jnp.broadcast_to(t, (GRID, GRID)), steps
+def _shape(asked: PupilSearch) -> tuple[int, int]:
+    """Points of a grid in s and t; in t half as many where one half of the pupil is as the other."""
+    return GRID, GRID // 2 if asked.turned else GRID
+
+
+def _grid(asked: PupilSearch, box: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
+    """Points of a box (low s, high s, low t, high t), its edges among them, and their steps, (4,)."""
+    ends, steps, shape = [], [], _shape(asked)
+    for i, count in zip((0, 2), shape, strict=True):
+        share = jnp.asarray(np.linspace(0, 1, count), box.dtype)
+        ends.append(box[i] + (box[i + 1] - box[i]) * share)
+        steps += [(box[i + 1] - box[i]) / (count - 1)] * 2
+    return jnp.broadcast_to(ends[0][:, None], shape), jnp.broadcast_to(ends[1], shape), jnp.stack(steps)
 
 
 def _boxes(
@@ -121,11 +130,16 @@ def _boxes(
     signs = jnp.asarray(SIGNS, asked.radius.dtype)
 
     def fitted(film: tuple[jax.Array, jax.Array]) -> tuple[jax.Array, jax.Array]:
-        def step(i: jax.Array, state: tuple[jax.Array, jax.Array]) -> tuple[jax.Array, jax.Array]:
-            box, _ = state
-            s, t, steps = _grid(box)
+        def step(i: jax.Array, state: tuple[jax.Array, jax.Array, jax.Array]) -> tuple[jax.Array, jax.Array, jax.Array]:
+            box, before, found = state
+            # at first all of the box; then, side by side, the strip of the last step, where the edge must be
+            side = i - ROUNDS
+            region = jnp.where(jnp.arange(4) == (side ^ 1), (box - signs * before)[side], box)
+            region = jnp.where(side < 0, box, region)
+            if asked.turned:
+                region = region.at[2].set(jnp.where(side == 3, region[2], 0))
+            s, t, steps = _grid(asked, region)
             passing = _any_passes(asked, slopes, film, s, t)
-            found, may_grow = jnp.any(passing), i < GROWING
             ends = jnp.stack(
                 [
                     end(jnp.where(passing, a, other))
@@ -133,14 +147,29 @@ def _boxes(
                     for end, other in ((jnp.min, jnp.inf), (jnp.max, -jnp.inf))
                 ]
             )
+            if asked.turned:
+                ends = ends.at[2].set(-ends[3])
+            here, may_grow = jnp.any(passing), i < GROWING
             at_edge = signs * (box - ends) < steps / 2
             # a box that is too small grows by half on that side
-            grown = jnp.where(may_grow, box + signs * steps * (GRID - 1) / 2, box)
+            grown = jnp.where(may_grow, box + signs * jnp.repeat(box[1::2] - box[::2], 2) / 2, box)
             fit = jnp.where(at_edge & may_grow, grown, ends + signs * steps)
-            return jnp.where(found, fit, grown), found
+            whole = jnp.where(here, fit, grown)
+            of_side = jnp.arange(4) == side
+            if asked.turned:
+                # low t goes with high t
+                of_side = (of_side | (jnp.arange(4) == 2) & (side == 3)) & (side != 2)
+            narrowed = jnp.where(of_side & here, ends + signs * steps, box)
+            first = side < 0
+            return (
+                jnp.where(first, whole, narrowed),
+                jnp.where(first, steps, before),
+                jnp.where(first, here, found),
+            )
 
-        first = (FIRST_HALF * signs, jnp.asarray(False))
-        return lax.fori_loop(0, ROUNDS, step, first)
+        begin = (FIRST_HALF * signs, jnp.zeros_like(signs), jnp.asarray(False))
+        box, _, found = lax.fori_loop(0, ROUNDS + 4, step, begin)
+        return box + signs * MARGIN * jnp.repeat(box[1::2] - box[::2], 2) / 2, found
 
     return lax.map(fitted, (x, y), batch_size=BATCH)
 
@@ -148,15 +177,19 @@ def _boxes(
 def _roundness(
     asked: PupilSearch, slopes: tuple[jax.Array, jax.Array], film: tuple[jax.Array, jax.Array], box: jax.Array
 ) -> jax.Array:
-    """(P,), by how much the ellipse in the box must be scaled to hold what passes, up to one step of the grid."""
+    """(P,), by how much the ellipse in the box must be scaled to hold what passes."""
+    radii, angles = _shape(asked)
+    radius = jnp.asarray(np.linspace(*ROUNDNESS, radii), asked.radius.dtype)[:, None]
+    angle = np.linspace(0, np.pi, angles) if asked.turned else np.arange(angles) * 2 * np.pi / angles
+    across, along = (jnp.asarray(f(angle), radius.dtype) for f in (np.cos, np.sin))
 
     def at(each: tuple[tuple[jax.Array, jax.Array], jax.Array]) -> jax.Array:
         film, box = each
-        s, t, _ = _grid(box)
+        s = (box[0] + box[1]) / 2 + (box[1] - box[0]) / 2 * radius * across
+        t = (box[2] + box[3]) / 2 + (box[3] - box[2]) / 2 * radius * along
         passing = _any_passes(asked, slopes, film, s, t)
-        share = jnp.asarray(np.linspace(-1, 1, GRID), box.dtype)
-        far = jnp.where(passing, share[:, None] ** 2 + share**2, 0)
-        return jnp.sqrt(jnp.max(far)) + 2 / (GRID - 1)
+        step = (ROUNDNESS[1] - ROUNDNESS[0]) / (radii - 1)
+        return jnp.max(jnp.where(passing, radius + step, 1))
 
     return lax.map(at, (film, box), batch_size=BATCH)
 
@@ -228,7 +261,8 @@ def _on_axis(
     s = jnp.broadcast_to((bound.centre_s[0] + bound.half_s[0] * share)[:, None], (count, count))
     t = jnp.broadcast_to(bound.centre_t[0] + bound.half_t[0] * share, (count, count))
     x, y = slopes[1] * s, slopes[1] * t
-    grids = [lax.stop_gradient(a).reshape(-1, GRID, GRID) for a in (x, y)]
+    shape = (-1, GRID, GRID // 2 if asked.turned else GRID)  # that of the other grids: one program
+    grids = [lax.stop_gradient(a).reshape(shape) for a in (x, y)]
     passing = lax.map(lambda grid: _passes(fixed, (zero, zero), *grid)[0], tuple(grids)).reshape(x.shape)
     cell = 4 * bound.half_s[0] * bound.half_t[0] / count**2
     irradiance = jnp.sum(jnp.where(passing, _cosine(x, y) ** 4, 0)) * cell * slopes[1] ** 2
