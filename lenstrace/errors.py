@@ -9,7 +9,7 @@
     |- LostRaysError         a question whose rays all fail
     |- ImageError            a question that needs an image, where the image is at infinity
     |- OptionError           an option of a demonstration out of its range
-    |- CameraError           a lens that takes no such picture: nothing to focus on, nearer than it can, stopped too wide
+    |- CameraError           a picture that a lens cannot take: no real image, nearer than it can be focused
     |- DesignError           an optimization that cannot be posed: no variables, a bound that excludes the start
     `- AccuracyError         a trade or an accuracy that cannot be had
 

@@ -48,7 +48,7 @@ class Dispersion:
     fourth: Any
     infrared: Any
 
-    def index(self, um: jax.Array) -> jax.Array:
+    def index(self, um: Any) -> Any:
         """n, relative to air, of the shape of the wavelengths, micrometres; meant for RANGE_UM."""
         square = um * um
         w = (1 / square - MIDDLE) * (1 / HALF)

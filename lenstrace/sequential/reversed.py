@@ -19,7 +19,7 @@ from lenstrace.errors import PrescriptionError
 from lenstrace.sequential import paraxial
 from lenstrace.sequential.document import Aperture, Fields
 from lenstrace.sequential.lens import Lens
-from lenstrace.sequential.rows import Number, Row
+from lenstrace.sequential.rows import Row
 from lenstrace.sequential.rules import check_lens
 from lenstrace.sequential.system import System
 

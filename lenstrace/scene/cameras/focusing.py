@@ -1,7 +1,8 @@
 """A lens set for a photograph: stopped down, and moved as a whole along its axis until a distance is sharp.
 
-The object stands a distance s before the first vertex, the film t behind the last one, D = s + L + t apart, L the length
-of the lens. Paraxially Newton's x x' = f f' with X = s + z_F, x' = t + L - z_F', Q = -f f' and T = D - z_F' + z_F gives
+The object stands a distance s before the first vertex, the film t behind the last one, D = s + L + t apart, L the
+length of the lens. Paraxially Newton's x x' = f f' with X = s + z_F, x' = t + L - z_F', Q = -f f' and
+T = D - z_F' + z_F gives
 
     X + x' = T,   X x' = Q,     x' = 2 Q / (T + sqrt(T^2 - 4 Q)),
 
@@ -73,7 +74,7 @@ def focused(lens: Lens, focus: Number | None, *, f_number: Number | None = None,
     distance = math.inf if far else focus * unit_mm
     found = _focusing(system, radius, distance)
     if not is_traced(found):
-        _check(lens, found, distance, unit_mm)
+        _check(lens, found, float(distance), unit_mm)
     rows = (*lens.rows[:-1], lens.rows[-1].replace(thickness=_plain(found.film)))
     fields = lens.fields
     if far and fields.kind == "object_height":
@@ -145,7 +146,7 @@ def _focusing(system: System, radius: Any, distance: Any) -> Focusing:
         before = jnp.where(infinite, 1, distance) - length - film
         return divide_where(~infinite & (before != 0), jnp.ones_like(before), before)
 
-    def step(_: int, state: tuple[jax.Array, jax.Array]) -> tuple[jax.Array, jax.Array]:
+    def step(_: jax.Array, state: tuple[jax.Array, jax.Array]) -> tuple[jax.Array, jax.Array]:
         film, _ = state
         sharpest, arrives = _sharpest(system, radius, vergence(film))
         gained = jnp.where(arrives > FEW, film - sharpest, 0)

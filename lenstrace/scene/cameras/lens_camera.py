@@ -1,15 +1,6 @@
-"""A camera that takes pictures through a lens as it is prescribed: every surface, glass and stop of it.
+"""A camera that takes pictures through a lens as it is prescribed: stopped down, focused, its pupil found.
 
-A point of the film and one of the pupil give a ray, which the sequential tracer follows through the reversed lens into
-the scene. Its weight turns the mean of the radiance over the pupil into the irradiance of the film,
-
-    E = integral of L cos^4(theta) / Z^2 dA = mean of L (area of the bound) cos^4(theta) / Z^2,
-
-theta the angle at the film, for points spread evenly over a bound of the pupil on a plane at distance Z; rays that a rim
-or a stop blocks count nothing.
-
-Source: C. Kolb, D. Mitchell, P. Hanrahan, A realistic camera model for computer graphics, SIGGRAPH 95, 317, Eqs.
-(1)-(3); M. Pharr, W. Jakob, G. Humphreys, Physically Based Rendering (3rd ed.), section 6.4.
+What its rays are is said in `through_lens.py`, where the numbers made here are used.
 """
 
 from __future__ import annotations
@@ -24,133 +15,26 @@ import jax.numpy as jnp
 import numpy as np
 
 from lenstrace.compute.compiled import compiled
-from lenstrace.compute.pytree import is_traced, pytree, static
+from lenstrace.compute.pytree import is_traced
 from lenstrace.errors import CameraError, WavelengthError
 from lenstrace.optics.apertures import ApertureKind
-from lenstrace.optics.rays import Ray, living
-from lenstrace.optics.vectors import divide_where, safe_sqrt
-from lenstrace.scene.cameras.focusing import focused, in_chain
-from lenstrace.scene.cameras.losses import absorption_loss, reflection_loss
+from lenstrace.scene.cameras.focusing import focused
 from lenstrace.scene.cameras.pupil import PupilFound, PupilSearch, search
-from lenstrace.scene.cameras.pupil_bound import PupilBound
-from lenstrace.scene.cameras.view import CameraRay, View, on_disk
+from lenstrace.scene.cameras.through_lens import LensCamera
+from lenstrace.scene.cameras.view import View
 from lenstrace.scene.dispersion import Dispersion, dispersions_of
 from lenstrace.sequential import paraxial
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.reversed import reversed_lens
 from lenstrace.sequential.rows import Number, Row
 from lenstrace.sequential.system import Placement, System
-from lenstrace.sequential.trace import trace
 
 FULL_FRAME = 24.0
 """The shorter side of 35 mm film, mm."""
 
-MM_PER_UM = 1e-3
 SEARCHED_UM = (0.4,)  # beside the primary wavelength: the pupil is a little another one, in blue light most
 # A stop that is opened beyond what the rims let through on the axis is not open: so much less is allowed.
 HINDERED = 0.97
-
-
-@pytree
-class LensCamera:
-    """A lens, focused and stopped down, and the film behind it; made by `lens_camera`. All numbers are leaves, so that
-    other curvatures, glasses, focus or f-number compile nothing anew.
-
-    view:           its position is that of the entrance pupil.
-    system:         the reversed lens at its primary wavelength, its object the film; mm.
-    dispersion:     of the S + 1 media, from the film on; None where one is not known in visible light.
-    half_film:      half the shorter side, mm; negative where the image is upside down, as it is in most lenses.
-    pupil_ahead:    from the entrance pupil to the first vertex, mm along the view.
-    chief, marginal, bound:  see `pupil_bound.py`.
-    gain:           by what cos^4 / Z^2 dA is multiplied.
-    unit_mm:        mm in a length of the scene.
-    absorption:     (S + 1,), 1/mm, of the media, from the film on; None: clear.
-    fresnel:        surfaces without a coating reflect.
-
-    Derivatives. Directions, focus and weights have those of the trace; the bound moves as the rims do that limit the
-    pupil in four directions (`pupil_edges.py`), so that what a sample finds blocked is blocked still. Were it held fixed,
-    the derivative of a pixel would miss the light that comes and goes at the edge of the pupil. What is left out is a
-    change of form of the edge between the four, and the edge of a central obstruction. In reverse as in forward mode.
-    """
-
-    view: View
-    system: System
-    dispersion: Dispersion | None
-    half_film: jax.Array
-    pupil_ahead: jax.Array
-    chief: jax.Array
-    marginal: jax.Array
-    bound: PupilBound
-    gain: jax.Array
-    unit_mm: jax.Array
-    absorption: jax.Array | None
-    fresnel: bool = static(default=False)
-
-    def rays(self, x: jax.Array, y: jax.Array, u: jax.Array, v: jax.Array, um: jax.Array | None) -> CameraRay:
-        """Of places in the picture, in half its shorter side, and of the pupil, u and v in [0, 1).
-
-        um: wavelengths, micrometres, one for each ray; None: the primary one of the lens.
-        """
-        film_x, film_y = x * self.half_film, y * self.half_film
-        slope_x, slope_y, area = self._slopes(film_x, film_y, u, v)
-        n = 1 / jnp.sqrt(1 + slope_x * slope_x + slope_y * slope_y)
-        square = n * n
-        system = self.system_at(um)
-        start = jnp.broadcast_to(-jnp.asarray(self.system.object_distance), x.shape)
-        ray, passed = self._through(system, living(film_x, film_y, start, slope_x * n, slope_y * n, n))
-        weight = jnp.where(ray.ok, self.gain * area * square * square * passed, 0)
-        return self._in_scene(ray, weight)
-
-    def system_at(self, um: jax.Array | None) -> System:
-        """The reversed lens with the indices (S + 1, ...) of wavelengths, micrometres; None: the primary."""
-        if um is None:
-            return self.system
-        if self.dispersion is None:
-            raise CameraError(
-                "wavelengths: a glass of this lens is not known in visible light; take a picture without them"
-            )
-        wide = jax.tree.map(lambda a: jnp.reshape(a, (-1, *(1,) * um.ndim)), self.dispersion)
-        return self.system.replace(index=wide.index(um), wavelength=um * MM_PER_UM)
-
-    def astype(self, dtype: Any) -> LensCamera:
-        """The same camera in another precision."""
-        return jax.tree.map(lambda a: jnp.asarray(a, dtype), self)
-
-    def _slopes(
-        self, film_x: jax.Array, film_y: jax.Array, u: jax.Array, v: jax.Array
-    ) -> tuple[jax.Array, jax.Array, jax.Array]:
-        """Slopes dx/dz, dy/dz of rays behind the lens, and the area of the bound in them."""
-        bound = self.bound
-        square = film_x * film_x + film_y * film_y
-        off = square > 0
-        radius = jnp.where(off, safe_sqrt(square), 0)
-        centre_s, centre_t, half_s, half_t = bound.at(radius)
-        a, b = on_disk(u, v) if bound.ellipse else (2 * u - 1, 2 * v - 1)
-        s, t = centre_s + half_s * a, centre_t + half_t * b
-        if bound.turned:
-            cosine = jnp.where(off, divide_where(off, film_x, radius), 1)
-            sine = divide_where(off, film_y, radius)
-            s, t = cosine * s - sine * t, sine * s + cosine * t
-        area = (math.pi if bound.ellipse else 4) * half_s * half_t * self.marginal * self.marginal
-        return self.chief * film_x + self.marginal * s, self.chief * film_y + self.marginal * t, area
-
-    def _through(self, system: System, ray: Ray) -> tuple[Ray, jax.Array | float]:
-        """Behind the reversed lens, in the frame of its last vertex; and what part of the light passes."""
-        if not self.fresnel and self.absorption is None:
-            return in_chain(system, system.surfaces, trace(system, ray, last=system.surfaces)), 1
-        path = trace(system, ray, last=system.surfaces, path=True)
-        passed = jnp.ones_like(ray.x)
-        if self.fresnel:
-            passed = passed * reflection_loss(system, path)
-        if self.absorption is not None:
-            passed = passed * absorption_loss(system, path, self.absorption)
-        return in_chain(system, system.surfaces, jax.tree.map(lambda a: a[-1], path)), passed
-
-    def _in_scene(self, ray: Ray, weight: jax.Array) -> CameraRay:
-        sense = self.system.orientation[-1]
-        unit = 1 / self.unit_mm
-        local = ray.x * unit, ray.y * unit, (sense * ray.z + self.pupil_ahead) * unit
-        return CameraRay(self.view.outer_point(local), self.view.outer((ray.l, ray.m, sense * ray.n)), weight)
 
 
 def lens_camera(
@@ -181,8 +65,8 @@ def lens_camera(
     aspect:      the longer side of pictures over the shorter one, at most: how far the pupil is looked for.
     rims:        a semi_diameter is the rim of its surface, and stops light. False: apertures alone do, as in all other
                  traces. The radius of the stop follows from f_number or the aperture of the lens.
-    irradiance:  weights give the irradiance of the film for the radiance of the scene (about pi / (4 N^2) of it). False:
-                 this is divided by what it is in the middle of a clear lens, so that a white wall of radiance 1 is 1
+    irradiance:  weights give the irradiance of the film for the radiance of the scene, about pi / (4 N^2) of it. False:
+                 it is divided by what it is in the middle of a clear lens, so that a white wall of radiance 1 is 1
                  there whatever the stop, as a pinhole shows it; what is darker toward the corners stays so.
     fresnel:     surfaces reflect as without coatings.
     absorption:  1/mm, of the media behind surfaces, by their numbers in the lens: light falls by exp(-a t).
@@ -249,7 +133,8 @@ def _with_stop(lens: Lens) -> tuple[Row, ...]:
         if not row.stop:
             rows.append(row)
             continue
-        kind, sizes = row.aperture_kind, row.aperture
+        kind = row.aperture_kind
+        sizes: tuple[Any, ...] = row.aperture
         match kind:
             case ApertureKind.NONE:
                 kind, sizes = ApertureKind.CIRCLE, (radius,)
@@ -346,6 +231,6 @@ def _check_pupil(found: PupilFound, f_number: Number | None) -> None:
         raise CameraError("no light reaches the middle of the film; open the stop, or look at apertures and rims")
     if f_number is not None and float(found.reach) < HINDERED:
         raise CameraError(
-            f"f_number {float(f_number):g} opens the stop wider than the rims of this lens let light through on the axis, "
-            f"about f/{float(f_number) / float(found.reach):.3g}; take that, or rims=False"
+            f"f_number {float(f_number):g} opens the stop wider than the rims of this lens let light through on the "
+            f"axis, about f/{float(f_number) / float(found.reach):.3g}; take that, or rims=False"
         )

@@ -10,9 +10,9 @@ from lenstrace.optics.fresnel import reflectances
 from lenstrace.optics.interactions import Interaction
 from lenstrace.optics.rays import Ray
 from lenstrace.optics.vectors import dot, root_or_zero
+from lenstrace.scene.cameras.focusing import in_chain
 from lenstrace.sequential.normals import surface_normals
 from lenstrace.sequential.system import Placement, System
-from lenstrace.scene.cameras.focusing import in_chain
 
 
 def reflection_loss(system: System, path: Ray) -> jax.Array:
@@ -20,8 +20,7 @@ def reflection_loss(system: System, path: Ray) -> jax.Array:
 
     path: rays before surface 1 and behind surfaces 1 ... S, (S + 1, ...), each in the frame of its own surface but the
     first. Mirrors reflect all. What is reflected twice and comes back is not counted. The product of the means is that
-    of light whose polarization is mixed again between surfaces; for rays in a plane through the axis it differs from the
-    mean of the products by the product of the differences of R_s and R_p, 1e-4 in a photographic lens.
+    of light whose polarization is mixed again between surfaces.
     """
     count = system.surfaces
     first = system.replace(

@@ -1,9 +1,9 @@
 """Finding the pupil by tracing: a bound that cuts nothing off, and how much light comes through it.
 
 Boxes in (s, t), see `pupil_bound.py`, are fitted to what passes a grid of rays, from a number of film points; between
-the nodes of the table they are widened until they hold all that was found, and a little on every side. The light of all wavelengths is meant. A lens
-without rims has glass without an edge: on strange ways, far outside its pupil and its field, light may come through that
-the grids do not see; it counts only where the bound holds it.
+the nodes of the table they are widened until they hold all that was found, and a little on every side. The light of all
+wavelengths is meant. A lens without rims has glass without an edge: on strange ways, far outside its pupil and its
+field, light may come through that the grids do not see; it counts only where the bound holds it.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ AXIS_GRIDS = 4  # such grids across the pupil of the axial film point, for its i
 MARGIN = 0.01  # of the half width of a box: a pointed pupil may reach farther than the rays of a grid see
 ROUNDNESS = (1.0, 1.42)  # of its inscribed ellipse, up to the corners of the box
 SIGNS = (-1, 1, -1, 1)  # of the sides of a box: low s, high s, low t, high t
-BATCH = 11  # film points traced at once; one program where it divides their number
+BATCH = 11, 5  # film points traced at once, of the table and of the others; they divide their number
 
 
 @pytree
@@ -101,7 +101,11 @@ def _cosine(x: jax.Array, y: jax.Array) -> jax.Array:
 
 
 def _any_passes(
-    asked: PupilSearch, slopes: tuple[jax.Array, jax.Array], film: tuple[jax.Array, jax.Array], s: jax.Array, t: jax.Array
+    asked: PupilSearch,
+    slopes: tuple[jax.Array, jax.Array],
+    film: tuple[jax.Array, jax.Array],
+    s: jax.Array,
+    t: jax.Array,
 ) -> jax.Array:
     """Whether light of any wavelength comes from (s, t)."""
     chief, marginal = slopes
@@ -171,7 +175,7 @@ def _boxes(
         box, _, found = lax.fori_loop(0, ROUNDS + 4, step, begin)
         return box + signs * MARGIN * jnp.repeat(box[1::2] - box[::2], 2) / 2, found
 
-    return lax.map(fitted, (x, y), batch_size=BATCH)
+    return lax.map(fitted, (x, y), batch_size=BATCH[0] if asked.turned else BATCH[1])
 
 
 def _roundness(
@@ -191,7 +195,7 @@ def _roundness(
         step = (ROUNDNESS[1] - ROUNDNESS[0]) / (radii - 1)
         return jnp.max(jnp.where(passing, radius + step, 1))
 
-    return lax.map(at, (film, box), batch_size=BATCH)
+    return lax.map(at, (film, box), batch_size=BATCH[0] if asked.turned else BATCH[1])
 
 
 def _round_bound(asked: PupilSearch, slopes: tuple[jax.Array, jax.Array]) -> PupilBound:
@@ -251,9 +255,7 @@ def _worst(fine: jax.Array) -> jax.Array:
     return jnp.maximum(jnp.concatenate([largest[:1], largest]), jnp.concatenate([largest, largest[-1:]]))
 
 
-def _on_axis(
-    asked: PupilSearch, slopes: tuple[jax.Array, jax.Array], bound: PupilBound
-) -> tuple[jax.Array, jax.Array]:
+def _on_axis(asked: PupilSearch, slopes: tuple[jax.Array, jax.Array], bound: PupilBound) -> tuple[jax.Array, jax.Array]:
     """Irradiance at the axial film point: the integral of cos^4 over the slopes that pass; and how far they reach."""
     fixed, zero = jax.tree.map(lax.stop_gradient, asked), jnp.zeros((), asked.radius.dtype)
     count = GRID * AXIS_GRIDS

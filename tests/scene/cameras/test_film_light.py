@@ -8,7 +8,6 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-import lenstrace
 from lenstrace import Aperture, Lens
 from lenstrace.scene.cameras.focusing import focused
 from lenstrace.scene.cameras.lens_camera import LensCamera, lens_camera
@@ -164,11 +163,8 @@ def test_vignetting_by_rims(gauss: Lens) -> None:
 @pytest.mark.parametrize(
     ("name", "film", "focus", "um"),
     [
-        ("double_gauss", 48.0, 1500.0, None),
-        ("tessar", 24.0, np.inf, 0.45),
-        ("cooke_triplet", 24.0, 400.0, 0.65),
+        ("double_gauss", 48.0, 1500.0, 0.45),
         ("phone_lens", 4.0, np.inf, None),
-        ("fisheye", 15.0, np.inf, None),
         ("hubble", 50.0, np.inf, None),
     ],
 )
@@ -233,25 +229,24 @@ def test_absorption(gauss: Lens) -> None:
         assert float(got[i]) == pytest.approx(exact, rel=1e-12)
 
 
-@pytest.mark.parametrize(("surface", "x", "rims"), [(10, 0.0, False), (7, 1.5, False), (10, 1.6, True)])
-def test_derivatives_of_the_light(gauss: Lens, surface: int, x: float, rims: bool) -> None:
-    """Of the irradiance by a curvature, at a fixed radius of the stop and place of the film: the edge of the pupil moves,
-    which no sample sees."""
-    film = 40.0
+@pytest.mark.parametrize("rims", [False, True])
+def test_derivatives_of_the_light(gauss: Lens, rims: bool) -> None:
+    """Of the irradiance by a curvature, at a fixed radius of the stop and place of the film: the edge of the pupil
+    moves, which no sample sees."""
+    film, step = 40.0, 5e-4
     stopped = with_rims(gauss).replace(aperture=Aperture(7.0, "stop_semi_diameter"))
+    u, v = (jnp.asarray(a) for a in np.random.default_rng(0).uniform(size=(2, 1024)))
 
-    def light(curvature: jax.Array) -> jax.Array:
-        lens = stopped.replace(surface=surface, curvature=curvature)
+    def light(curvature: jax.Array, x: jax.Array) -> jax.Array:
+        lens = stopped.replace(curvature=curvature)
         camera = lens_camera(lens, (0, 0, 0), (0, 0, -1), film=film, focus=None, irradiance=True, rims=rims)
-        u, v = (jnp.asarray(a) for a in np.random.default_rng(0).uniform(size=(2, 1024)))
-        return jnp.mean(camera.rays(jnp.full(u.shape, x), 0 * u, u, v, None).weight)
+        return jnp.mean(camera.rays(0 * u + x, 0 * u, u, v, None).weight)
 
-    c, step = float(gauss.curvature[surface - 1]), 5e-4
-    exact = [
-        irradiance(stopped.replace(surface=surface, curvature=c + d), 7.0, x * film / 2, rims)
-        for d in (-step, step)
-    ]
-    value, slope = jax.jit(lambda c: jax.jvp(light, (c,), (jnp.ones_like(c),)))(jnp.asarray(c))
-    want = (exact[1] - exact[0]) / (exact[1] + exact[0]) / step
-    # a rim that moves across the pupil changes the form of its edge as well
-    assert float(slope / value) == pytest.approx(want, rel=0.06 if rims else 0.01)
+    derivative = jax.jit(lambda c, x, toward: jax.jvp(lambda c: light(c, x), (c,), (toward,)))
+    for surface, x in ((10, 1.6),) if rims else ((10, 0.0), (7, 1.5)):
+        c, toward = np.asarray(gauss.curvature), np.eye(11)[surface - 1]
+        value, slope = derivative(jnp.asarray(c), jnp.asarray(x), jnp.asarray(toward))
+        exact = [irradiance(stopped.replace(curvature=c + d * toward), 7.0, x * film / 2, rims) for d in (-step, step)]
+        want = (exact[1] - exact[0]) / (exact[1] + exact[0]) / step
+        # a rim that moves across the pupil changes the form of its edge as well
+        assert float(slope / value) == pytest.approx(want, rel=0.06 if rims else 0.01)

@@ -29,7 +29,7 @@ def gauss(designs: dict[str, Lens]) -> Lens:
 
 
 @pytest.mark.parametrize("distance", [500.0, 2000.0, 1e6])
-@pytest.mark.parametrize("name", ["double_gauss", "tessar", "cooke_triplet"])
+@pytest.mark.parametrize("name", ["double_gauss", "cooke_triplet"])
 def test_stopped_down_it_is_the_lens_equation(name: str, distance: float, designs: dict[str, Lens]) -> None:
     lens = designs[name]
     focal, front, rear, length = planes(lens)
@@ -63,7 +63,9 @@ def test_mirrors_are_focused(designs: dict[str, Lens]) -> None:
     assert focused(lens, np.inf).rows[-1].thickness == pytest.approx(lens.rows[-1].thickness, abs=0.3)
     # x x' = f'^2: a plane 100 km away
     near = focused(lens, 1e8)
-    assert near.rows[-1].thickness - focused(lens, np.inf).rows[-1].thickness == pytest.approx(57600.0**2 / 1e8, rel=0.01)
+    assert near.rows[-1].thickness - focused(lens, np.inf).rows[-1].thickness == pytest.approx(
+        57600.0**2 / 1e8, rel=0.01
+    )
 
 
 @pytest.mark.parametrize("f_number", [None, 2.8, 8.0])
@@ -88,7 +90,9 @@ def test_the_circle_of_confusion(gauss: Lens) -> None:
     found = focused(gauss, 2000.0, f_number=8.0)
     focal, front, _, _ = planes(gauss)
     zero = tuple(map(jnp.asarray, (0.0, 0.0, 0.0)))
-    thin = ThinLens(View(zero, zero, zero), *(jnp.asarray(a) for a in (focal, 8.0, found.object_distance + front, 24.0)))
+    thin = ThinLens(
+        View(zero, zero, zero), *(jnp.asarray(a) for a in (focal, 8.0, found.object_distance + front, 24.0))
+    )
     far = 4000.0
     # the rim of the stop, found along the ray that starts from the point
     system = found.system.at(1)

@@ -1,5 +1,7 @@
 """Rays of the camera against the sequential tracer run forward; precision, blocks, colour, derivatives, bad input."""
 
+import dataclasses
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -54,11 +56,9 @@ def gauss(designs: dict[str, Lens]) -> Lens:
 
 @pytest.mark.parametrize(
     ("name", "film", "focus"),
-    [("double_gauss", 48.0, 2000.0), ("tessar", 24.0, np.inf), ("phone_lens", 3.0, np.inf), ("tilted", 20.0, 500.0)],
+    [("double_gauss", 48.0, 2000.0), ("tessar", 24.0, np.inf), ("tilted", 20.0, 500.0)],
 )
-def test_what_is_seen_comes_back_to_the_film(
-    name: str, film: float, focus: float, designs: dict[str, Lens]
-) -> None:
+def test_what_is_seen_comes_back_to_the_film(name: str, film: float, focus: float, designs: dict[str, Lens]) -> None:
     lens = tilted() if name == "tilted" else designs[name]
     camera = lens_camera(lens, HERE, THERE, film=film, focus=focus)
     x, y, u, v = places(512)
@@ -79,7 +79,7 @@ def test_what_is_seen_comes_back_to_the_film(
 
 
 def test_the_light_of_one_point_is_seen_where_its_spot_is(gauss: Lens) -> None:
-    """Rays of an object point, traced forward to the film; from there the camera sees all of them come from that point."""
+    """Rays of an object point, traced forward to the film; from there the camera sees them all come from that point."""
     camera = lens_camera(gauss, HERE, THERE, film=48.0, focus=2000.0)
     lens = focused(gauss, 2000.0)
     system = lens.system.at(1)
@@ -99,26 +99,32 @@ def test_the_light_of_one_point_is_seen_where_its_spot_is(gauss: Lens) -> None:
     assert float(jnp.std(spot.x)) > 1e-4
 
 
-def test_lateral_colour_is_that_of_the_sequential_tracer(designs: dict[str, Lens]) -> None:
+def test_lateral_colour_is_that_of_the_sequential_tracer(gauss: Lens) -> None:
     """With catalogue glass, whose indices the camera fits: the chief ray of one colour, to 1e-6 mm on the film."""
-    lens = designs["fold_mirror"]
-    rows = [row.replace(semi_diameter=None) for row in lens.rows[:3]]
-    lens = lens.replace(rows=(*rows[:2], rows[2].replace(thickness=97.0)))
-    camera = lens_camera(lens, HERE, THERE, film=20.0)
+    lens = gauss
+    for surface, glass in ((1, "N-SSK2"), (3, "N-SK2"), (4, "F5"), (7, "F5"), (8, "N-SK16"), (10, "N-SK16")):
+        lens = lens.replace(surface=surface, glass=glass)
+    camera = lens_camera(lens, HERE, THERE, film=48.0)
     opened = focused(lens, np.inf)
-    x = jnp.linspace(-1.0, 1.0, 65)
-    film = []
+    x = jnp.linspace(-1.0, 1.0, 512)
+    arrived = []
     for wavelength, um in enumerate(lens.wavelengths.um):
         seen = traced(camera, x, 0.5 * x, 0 * x + 0.5, 0 * x + 0.5, jnp.full(x.shape, um))
-        film.append(np.asarray(forward(opened, seen, wavelength).x))
-    assert max(np.abs(each + 10.0 * np.asarray(x)).max() for each in film) < 1e-6
+        arrived.append(np.asarray(forward(opened, seen, wavelength).x))
+    assert max(np.abs(each + 24.0 * np.asarray(x)).max() for each in arrived) < 1e-6
+    # there is such colour: the blue chief ray of one direction lands elsewhere than the red one
+    blue, red = (
+        traced(camera, x, 0 * x, 0 * x + 0.5, 0 * x + 0.5, jnp.full(x.shape, um)).direction[0]
+        for um in (0.4861, 0.6563)
+    )
+    assert float(jnp.abs(blue - red).max()) > 1e-5
 
 
 def test_the_picture_is_upright_and_has_the_perspective_of_a_pinhole(gauss: Lens) -> None:
     camera = lens_camera(gauss, (1.0, 2.0, 3.0), (1.0, 2.0, -5.0), film=24.0, focus=np.inf)
     view = View(*(tuple(map(jnp.asarray, each)) for each in ((1.0, 2.0, 3.0), (1.0, 2.0, -5.0), (0.0, 1.0, 0.0))))
     pinhole = Pinhole(view, jnp.asarray(2 * np.degrees(np.arctan(12 / 100.00374787))))
-    x, y, u, v = places(64)
+    x, y, u, _ = places(64)
     middle = 0 * u + 0.5
     lens_ray, hole_ray = (traced(each, x, y, middle, middle, None) for each in (camera, pinhole))
     for got, want in zip(lens_ray.direction, hole_ray.direction, strict=True):
@@ -180,56 +186,49 @@ def test_blocks_of_rays_and_no_program_for_new_numbers(gauss: Lens, dtype: type)
     assert compiled == []
 
 
-def pixel(lens: Lens, where: list[jax.Array]) -> jax.Array:
-    """A pixel of a striped wall 2 m away, out of focus."""
-    camera = lens_camera(lens, HERE, THERE, film=48.0, focus=1000.0)
-    x, y, u, v = where
-    seen = camera.rays(0 * x + 0.7, 0 * y - 0.4, u, v, None)
+def pixel(camera: LensCamera, u: jax.Array, v: jax.Array) -> jax.Array:
+    """Of a striped wall 2 m away, out of focus."""
+    seen = camera.rays(0 * u + 0.7, 0 * u - 0.4, u, v, None)
     t = (-2000.0 - seen.point[2]) / seen.direction[2]
     place = seen.point[0] + t * seen.direction[0]
     return jnp.mean(seen.weight * (1 + 0.5 * jnp.sin(place / 60.0)))
 
 
 def test_derivatives(gauss: Lens) -> None:
-    """Of a ray, of the focus, and of a pixel by a curvature: against central differences with the same samples."""
-    k = np.arange(1 << 15)
+    """Of a ray, of the focus, and of a pixel by a curvature: against central differences with the same samples; in
+    reverse as in forward mode."""
+    k = np.arange(1 << 14)
     u, v = jnp.asarray((k + 0.5) / k.size), jnp.asarray((k * (np.sqrt(5) - 1) / 2) % 1)
     slant = [jnp.asarray([a]) for a in (3.0, -8.0, 0.02, 0.15, np.sqrt(1 - 0.0229))]
 
-    @jax.jit
-    def values(c: jax.Array) -> tuple[jax.Array, ...]:
+    def values(c: jax.Array) -> jax.Array:
         lens = gauss.replace(surface=5, curvature=c)
         camera = lens_camera(lens, HERE, THERE, film=48.0, focus=1000.0)
         start = living(slant[0], slant[1], -camera.system.object_distance, *slant[2:])
         seen = camera._in_scene(camera._through(camera.system, start)[0], slant[0])
-        return pixel(lens, [0 * u, 0 * u, u, v]), seen.direction[1][0], camera.system.object_distance
+        return jnp.stack([pixel(camera, u, v), seen.direction[1][0], camera.system.object_distance])
 
     c = jnp.asarray(float(gauss.curvature[4]))
-    got = jax.jit(lambda c: jax.jvp(values, (c,), (jnp.ones_like(c),))[1])(c)
-    for place, step, near in ((0, 3e-4, 0.01), (1, 1e-6, 1e-6), (2, 1e-6, 1e-6)):
-        # of the pixel a long step: its samples are few where the edge of the pupil moves
-        difference = (float(values(c + step)[place]) - float(values(c - step)[place])) / (2 * step)
-        assert float(got[place]) == pytest.approx(difference, rel=near)
-
-
-def test_a_derivative_in_reverse_is_that_in_forward_mode(gauss: Lens) -> None:
-    where = places(64)
-
-    def value(curvature: jax.Array) -> jax.Array:
-        return pixel(gauss.replace(curvature=curvature), where)
-
-    c, toward = jnp.asarray(gauss.curvature), jnp.asarray(np.linspace(-1, 1, 11))
-    forward_mode = jax.jit(lambda c: jax.jvp(value, (c,), (toward,))[1])(c)
-    gradient = jax.jit(jax.grad(value))(c)
-    assert np.isfinite(np.asarray(gradient)).all()
-    assert float(gradient @ toward) == pytest.approx(float(forward_mode), rel=1e-8)
+    value, slope = jax.jit(values), jax.jit(lambda c: jax.jvp(values, (c,), (jnp.ones_like(c),))[1])
+    got = slope(c)
+    # of the pixel a long step: its samples are few where the edge of the pupil moves
+    for which, step, near in (([0], 3e-4, 0.01), ([1, 2], 1e-6, 1e-6)):
+        difference = (value(c + step) - value(c - step)) / (2 * step)
+        for place in which:
+            assert float(got[place]) == pytest.approx(float(difference[place]), rel=near)
+    reverse = jax.jit(jax.grad(lambda c: values(c)[0]))(c)
+    assert float(reverse) == pytest.approx(float(got[0]), rel=1e-9)
 
 
 @pytest.mark.parametrize(
     ("name", "arguments", "message"),
     [
         ("double_gauss", {"focus": 300.0}, "focus: 300 from the film is nearer than this lens can image, 368.78"),
-        ("double_gauss", {"focus": 0.3, "unit_mm": 1000.0}, "focus: 0.3 from the film is nearer than this lens can ima"),
+        (
+            "double_gauss",
+            {"focus": 0.3, "unit_mm": 1000.0},
+            "focus: 0.3 from the film is nearer than this lens can ima",
+        ),
         ("double_gauss", {"focus": -1.0}, "focus must be positive, from the film to the sharp plane, got -1"),
         ("double_gauss", {"f_number": 0.0}, "f_number must be positive, got 0.0"),
         ("double_gauss", {"f_number": 0.5}, "f_number 0.5: its marginal ray does not reach the stop"),
@@ -259,6 +258,6 @@ def test_lenses_that_make_no_picture(designs: dict[str, Lens]) -> None:
         lens_camera(designs["fold_mirror"], HERE, THERE, focus=None)
     with pytest.raises(PrescriptionError, match="no row is the stop"):
         lens_camera(designs["double_gauss"].replace(surface=6, stop=False), HERE, THERE)
-    dark = lens_camera(designs["infrared_germanium_silicon"], HERE, THERE, film=10.0)
+    dark = dataclasses.replace(lens_camera(designs["double_gauss"], HERE, THERE), dispersion=None)
     with pytest.raises(CameraError, match="not known in visible light"):
         dark.rays(*places(4), jnp.full(4, 0.55))
