@@ -55,7 +55,7 @@ class LensCamera:
     pupil in four directions (`pupil_edges.py`), so that what a sample finds blocked is blocked still. Were it held
     fixed, the derivative of a pixel would miss the light that comes and goes at the edge of the pupil. What is left out
     is a change of form of the edge between the four, and the edge of a central obstruction: where the stop limits the
-    light derivatives of the irradiance of a double Gauss are right to 0.5 %, where rims cut it as well to 6 %.
+    light derivatives of the irradiance of a double Gauss are right to 0.5 %, where rims cut it as well to 10 %.
     """
 
     view: View

@@ -30,7 +30,7 @@ SPREADING = {
 }
 SHARP = {"mirror": Mirror((0.9, 0.8, 0.7)), "glass": Dielectric(GLASS)}
 ALL = SPREADING | SHARP
-COUNT = 1_000_000
+COUNT, FEW = 1_000_000, 100_000
 COSINES = (1.0, 0.7, 0.15)
 
 
@@ -122,11 +122,11 @@ def test_weight_is_scattering_over_density(name, outside, dtype):
 
 def flux(material, cosine, outside, dtype=jnp.float64):
     """What part of the light's power goes on: radiance weights, with the square of the indices taken out."""
-    incoming, weight, density = sampled(material, toward(cosine, dtype=dtype), 7, dtype=dtype, outside=outside)
+    incoming, weight, density = sampled(material, toward(cosine, dtype=dtype), 7, FEW, dtype, outside)
     here, there = (1.0, 1.5) if outside else (1.5, 1.0)
     back = np.where(np.asarray(incoming[2]) > 0, 1.0, (there / here) ** 2)
     counted = [np.where(np.asarray(density) > 0, np.asarray(each) * back, 0) for each in weight]
-    return np.array([[np.mean(each), np.std(each) / np.sqrt(COUNT)] for each in counted]).T
+    return np.array([[np.mean(each), np.std(each) / np.sqrt(FEW)] for each in counted]).T
 
 
 @pytest.mark.parametrize("outside", [True, False])
