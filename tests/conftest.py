@@ -1,9 +1,16 @@
 """What every test runs under: strict dtype promotion, so that nothing is upcast by accident; programs shared by all."""
 
+# ruff: noqa: E402
 import os
 import shutil
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
+
+# nearly all programs run once or twice here: most of the time goes into compiling them
+QUICKLY = "--xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false"
+if QUICKLY not in os.environ.get("XLA_FLAGS", ""):
+    os.environ["XLA_FLAGS"] = f"{os.environ.get('XLA_FLAGS', '')} {QUICKLY}"
 
 import jax
 import pytest
@@ -21,12 +28,10 @@ os.environ["JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES"] = "-1"
 jax.config.update("jax_compilation_cache_dir", PROGRAMS)
 jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)
 jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
-# nearly all programs run once or twice here: most of the time goes into compiling them
-QUICKLY = "--xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false"
-os.environ["XLA_FLAGS"] = f"{os.environ.get('XLA_FLAGS', '')} {QUICKLY}"
-
 ROOT = Path(__file__).parent.parent
 LONGEST = {"test_notebooks", "test_readme"}
+# Each program that is kept takes a few pieces of a process's memory map; Linux allows 65,530 of them.
+MAPS, MOST_PIECES = Path("/proc/self/maps"), 25_000
 
 
 @pytest.fixture(scope="session")
@@ -60,6 +65,14 @@ def rich_lens() -> Lens:
         name="all keys",
         source="a test",
     )
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _programs_that_are_kept() -> Iterator[None]:
+    """Let the programs of earlier files go before there are too many."""
+    yield
+    if MAPS.exists() and len(MAPS.read_bytes().splitlines()) > MOST_PIECES:
+        jax.clear_caches()
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

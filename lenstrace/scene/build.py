@@ -104,7 +104,9 @@ def _around(radiance: Any, dtype: Any) -> Environment:
 def _cumulated(powers: list[float]) -> np.ndarray:
     """Chances by power, each with all before it; alike where all are dark."""
     weights = np.array(powers) if sum(powers) > 0 else np.ones(len(powers))
-    return np.cumsum(weights) / max(weights.sum(), 1e-300)
+    chosen = np.cumsum(weights) / max(weights.sum(), 1e-300)
+    chosen[-1:] = 1  # not less by rounding: every number in [0, 1) chooses a light that has a chance
+    return chosen
 
 
 def _power(light: Any) -> float:

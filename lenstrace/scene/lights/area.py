@@ -38,10 +38,13 @@ class AreaLight:
         inverse = jnp.where(apart, 1 / jnp.sqrt(jnp.where(apart, square, 1)), 0)
         direction = x * inverse, y * inverse, z * inverse
         cosine = -dot(direction, normal)
-        lit = apart & (cosine > 0)
-        density = self.density(square, cosine)
-        arriving = scaled(self.radiance, divide_where(lit, jnp.ones_like(square), density))
-        return Lighting(direction, square * inverse, arriving, density, jnp.broadcast_to(self.number, square.shape))
+        # not over the density: a cosine that a compiler finds anew may be 0 in one place and more in the other
+        seen = jnp.maximum(cosine, 0) * self.shape.area() * inverse * inverse
+        density = jnp.where(apart, self.density(square, cosine), 0)
+        return Lighting(
+            *(direction, square * inverse, scaled(self.radiance, seen), density),
+            jnp.broadcast_to(self.number, square.shape),
+        )
 
     def density(self, square: jax.Array, cosine: jax.Array) -> jax.Array:
         """With which `toward` chooses a direction, per solid angle; 0 where the light is seen from behind.

@@ -71,7 +71,6 @@ def _blocked(world: World, asked: Any) -> Any:
     return blocked(world, *asked)
 
 
-@pytest.mark.xfail(strict=False, reason="seen to fail in a full run on 2026-11-23, not understood: issue 8")
 @pytest.mark.parametrize("dtype", PRECISIONS)
 @pytest.mark.parametrize("way", WAYS[1:])
 def test_meets_what_asking_all_meets(way: Way, dtype: Any) -> None:
@@ -84,7 +83,9 @@ def test_meets_what_asking_all_meets(way: Way, dtype: Any) -> None:
     same = number == all_number
     if way is Way.HIERARCHY:
         assert same.all()
-        assert (t == all_t).all()
+        # two programs: one may fuse a product with a sum where the other does not
+        assert (np.abs(t[met] - all_t[met]) <= 8 * np.finfo(dtype).eps).all()
+        assert np.isinf(t[~met]).all()
     # ties at edges that two triangles share, by single precision
     assert (~same).sum() <= 3
     assert (np.isfinite(t) == np.isfinite(all_t)).sum() >= len(t) - 1
