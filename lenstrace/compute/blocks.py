@@ -20,7 +20,7 @@ import numpy as np
 from jax import lax
 from jax.experimental.xla_metadata import set_xla_metadata
 
-from lenstrace.compute.compiled import COMPILER_OPTIONS, compiled, with_precision
+from lenstrace.compute.compiled import COMPILER_OPTIONS, LONG_OPTIONS, compiled, with_precision
 from lenstrace.compute.pytree import is_traced
 
 # Bytes that one number of every ray of a block takes; a dozen such arrays are alive at a time in a trace.
@@ -41,10 +41,11 @@ def each(function: RayFunction, parameters: Any, rays: Any, chunk: int | None = 
                  number of rays). It maps numbers, and arrays of rays, to arrays of rays, every ray by itself.
     parameters:  any pytree.
     rays:        a pytree of arrays of one shape, not empty; `function` sees them as (N,), N at most all.
-    chunk:       rays in the share of a thread, CHUNK else; fewer where the function takes long for each.
+    chunk:       rays in the share of a thread, CHUNK else; fewer where the function takes long for each. It is then
+                 optimized the more.
     Returns a pytree of arrays whose last axes are the shape of the rays. The derivatives are those of `function`.
     """
-    run, chunk = _each(function, is_traced((parameters, rays))), chunk or CHUNK
+    run, fill, chunk = _each(function, is_traced((parameters, rays))), _fill(function, chunk is not None), chunk or CHUNK
     if not is_shared(parameters, rays, chunk):
         return run(parameters, rays)
     shape = np.shape(jax.tree.leaves(rays)[0])
@@ -52,7 +53,7 @@ def each(function: RayFunction, parameters: Any, rays: Any, chunk: int | None = 
     count = ray_count(rays)
     shapes = _result_shapes(function, parameters, cut(rays, 0, chunk))
     results = jax.tree.map(lambda s: _aligned((*s.shape[:-1], count), s.dtype), shapes)
-    fill, chunks = _fill(function), iter(range(0, count, chunk))
+    chunks = iter(range(0, count, chunk))
 
     def share(_: int) -> None:
         # all results of a thread come to the same memory: it stays warm, and is neither cleared nor given back
@@ -70,14 +71,14 @@ def each(function: RayFunction, parameters: Any, rays: Any, chunk: int | None = 
 
 
 @functools.cache
-def _fill(function: RayFunction) -> Callable[[Any, Any, Any], Any]:
+def _fill(function: RayFunction, takes_long: bool) -> Callable[[Any, Any, Any], Any]:
     """The function for a chunk, into the memory of earlier results, which are then gone."""
     traced_once = jax.jit(function)
 
     def filled(parameters: Any, rays: Any, results: Any) -> Any:
         return in_one_loop(_fill_blocks, traced_once, parameters, (rays, results), False)
 
-    return jax.jit(filled, compiler_options=COMPILER_OPTIONS, donate_argnums=2)
+    return jax.jit(filled, compiler_options=LONG_OPTIONS if takes_long else COMPILER_OPTIONS, donate_argnums=2)
 
 
 def _result_shapes(function: RayFunction, parameters: Any, rays: Any) -> Any:

@@ -10,7 +10,7 @@ import jax
 import numpy as np
 
 from lenstrace.compute.blocks import RayFunction, cut, ray_count, threads
-from lenstrace.compute.compiled import COMPILER_OPTIONS, with_precision
+from lenstrace.compute.compiled import LONG_OPTIONS, with_precision
 from lenstrace.compute.pytree import is_traced
 
 # Rays in a tile: many, for every call back has its price, and few enough that their numbers stay in the cache.
@@ -38,4 +38,4 @@ def each_tile(function: RayFunction, parameters: Any, rays: Any, tile: int = TIL
 
 @functools.cache
 def _program(function: RayFunction) -> Callable[..., Any]:
-    return jax.jit(function, compiler_options=COMPILER_OPTIONS)
+    return jax.jit(function, compiler_options=LONG_OPTIONS)
