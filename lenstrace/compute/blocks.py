@@ -45,7 +45,11 @@ def each(function: RayFunction, parameters: Any, rays: Any, chunk: int | None = 
                  optimized the more.
     Returns a pytree of arrays whose last axes are the shape of the rays. The derivatives are those of `function`.
     """
-    run, fill, chunk = _each(function, is_traced((parameters, rays))), _fill(function, chunk is not None), chunk or CHUNK
+    run, fill, chunk = (
+        _each(function, is_traced((parameters, rays))),
+        _fill(function, chunk is not None),
+        chunk or CHUNK,
+    )
     if not is_shared(parameters, rays, chunk):
         return run(parameters, rays)
     shape = np.shape(jax.tree.leaves(rays)[0])

@@ -1,54 +1,61 @@
-"""A table of a file as an object: `kind` is the name of its class in small letters, the other keys are its fields."""
+"""A table of a file as an object: `kind` names what is made, the other keys are its arguments."""
 
 from __future__ import annotations
 
-import dataclasses
 import difflib
+import inspect
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 from lenstrace.errors import LensTraceError
 
+# What makes the objects, classes or functions, by the words of a file.
+Kinds = Mapping[str, Callable[..., Any]]
 
-def made(
-    where: str, entry: Any, kinds: Sequence[type], error: type[LensTraceError], within: Sequence[type] = ()
-) -> Any:
+
+def named(kinds: Iterable[type]) -> dict[str, type]:
+    """Classes by their names in small letters."""
+    return {small(kind): kind for kind in kinds}
+
+
+def made(where: str, entry: Any, kinds: Kinds, error: type[LensTraceError], within: Kinds | None = None) -> Any:
     """An object of one of `kinds` out of the keys of a table; lists become tuples. `error` says where, what, got.
 
-    within: what tables in that table may be.
+    within: what tables with a kind in that table may be.
     """
     kind = kind_of(where, entry, kinds, error)
-    given = fields_of(f"{where}, {entry['kind']}", entry, kind, error)
+    where = f"{where}, {entry['kind']}"
+    given = fields_of(where, entry, kind, error)
     for key, value in given.items():
         if isinstance(value, Mapping) and within:
             given[key] = made(f"{where}: {key}", value, within, error)
     try:
         return kind(**given)
     except LensTraceError as mistake:
-        raise error(f"{where}, {entry['kind']}: {mistake}") from None
+        raise type(mistake)(f"{where}: {mistake}") from None
 
 
-def kind_of(where: str, entry: Any, kinds: Sequence[type], error: type[LensTraceError]) -> type:
-    """The class that a table names."""
+def kind_of(where: str, entry: Any, kinds: Kinds, error: type[LensTraceError]) -> Callable[..., Any]:
+    """What a table names."""
     if not isinstance(entry, Mapping):
         raise error(f"{where} must be a table, {{ kind = ... }}, got {entry!r}")
-    names = {small(kind): kind for kind in kinds}
     name = entry.get("kind")
-    if name not in names:
-        hint = near(str(name), list(names)) if name is not None else f"one of {', '.join(names)}"
+    if not isinstance(name, str) or name not in kinds:
+        hint = near(str(name), list(kinds)) if name is not None else f"one of {', '.join(kinds)}"
         raise error(f"{where}: {'kind is missing' if name is None else f'unknown kind {name!r}'}; {hint}")
-    return names[name]
+    return kinds[name]
 
 
-def fields_of(where: str, entry: Mapping[str, Any], kind: type, error: type[LensTraceError]) -> dict[str, Any]:
-    """The other keys of a table, as arguments of the class."""
-    known = {field.name: field for field in dataclasses.fields(kind) if field.init}
+def fields_of(
+    where: str, entry: Mapping[str, Any], kind: Callable[..., Any], error: type[LensTraceError]
+) -> dict[str, Any]:
+    """The other keys of a table, as arguments of what is made."""
+    known = inspect.signature(kind).parameters
     given = {key: tupled(value) for key, value in entry.items() if key != "kind"}
     unknown(where, given, list(known), error)
-    for key, field in known.items():
-        needed = field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
-        if needed and key not in given:
+    for key, parameter in known.items():
+        if parameter.default is inspect.Parameter.empty and key not in given:
             raise error(f"{where}: {key} is missing; it must be given")
     return given
 

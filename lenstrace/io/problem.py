@@ -12,9 +12,7 @@ in mm.
 from __future__ import annotations
 
 import dataclasses
-import difflib
 import os
-import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -23,6 +21,7 @@ import tomlkit
 from lenstrace import design
 from lenstrace.design.problem import Problem
 from lenstrace.errors import DesignError, LensTraceError
+from lenstrace.io.kinds import named, near
 from lenstrace.io.native import dumps, keys_in, read_with, write_whole
 from lenstrace.sequential.lens import Lens
 from lenstrace.sequential.prescription import lens_from_keys
@@ -66,7 +65,7 @@ def problem_from_keys(lens: Lens, keys: Mapping[str, Any]) -> Problem:
     """The problem of a lens out of the keys of [optimize]."""
     for key in keys:
         if key not in SECTION:
-            raise DesignError(f"optimize: unknown key {key!r}; {_near(key, list(SECTION))}")
+            raise DesignError(f"optimize: unknown key {key!r}; {near(key, list(SECTION))}")
     said: dict[str, list[Any]] = {}
     for key, kinds in SECTION.items():
         entries = keys.get(key, [])
@@ -90,7 +89,7 @@ def save_problem(lens: Lens, problem_file: str | os.PathLike[str], path: str | o
 
 def _made(where: str, entry: Mapping[str, Any], kinds: tuple[type, ...]) -> Any:
     """A variable, want or tie out of its keys."""
-    names = {_small(kind): kind for kind in kinds}
+    names = named(kinds)
     name = entry.get("kind")
     if name not in names:
         raise DesignError(f"{where}: kind must be one of {', '.join(names)}; got {name!r}")
@@ -98,7 +97,7 @@ def _made(where: str, entry: Mapping[str, Any], kinds: tuple[type, ...]) -> Any:
     given = {key: value for key, value in entry.items() if key != "kind"}
     for key, value in given.items():
         if key not in known:
-            raise DesignError(f"{where}, {name}: unknown key {key!r}; {_near(key, list(known))}")
+            raise DesignError(f"{where}, {name}: unknown key {key!r}; {near(key, list(known))}")
         _check_type(f"{where}, {name}: {key}", value, known[key].default)
         if key in ("field", "pupil") and isinstance(value, list):
             given[key] = tuple(value)
@@ -132,16 +131,6 @@ def _is_made_of(value: Any, kind: Any) -> bool:
     if isinstance(value, list):
         return bool(value) and all(_is_made_of(each, kind) for each in value)
     return isinstance(value, kind) and not isinstance(value, bool)
-
-
-def _small(kind: type) -> str:
-    """SpotRMS: spot_rms."""
-    return re.sub(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", "_", kind.__name__).lower()
-
-
-def _near(key: str, known: list[str]) -> str:
-    near = difflib.get_close_matches(key, known, 1, 0.5)
-    return f"did you mean {near[0]!r}?" if near else f"known here: {', '.join(known)}"
 
 
 def _lines(keys: Mapping[str, Any]) -> Any:

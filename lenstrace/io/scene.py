@@ -20,7 +20,8 @@
     position = [2, 4, 3]
     intensity = [30, 30, 30]
 
-A kind is the name of its class in `lenstrace.scene`, in small letters; the other keys are its fields.
+A kind is the name of its class in `lenstrace.scene`, in small letters, and the other keys are its fields; what is said
+otherwise stands in `scene_kinds.py`.
 """
 
 from __future__ import annotations
@@ -33,12 +34,10 @@ from typing import Any
 import numpy as np
 
 from lenstrace.errors import SceneError
-from lenstrace.io.kinds import fields_of, kind_of, made, near, tupled, unknown
+from lenstrace.io.kinds import Kinds, fields_of, made, near, tupled, unknown
 from lenstrace.io.native import keys_in, read_with
-from lenstrace.scene.cameras.view import View
-from lenstrace.scene.materials.texture import Checker
+from lenstrace.io.scene_kinds import LIGHT_KINDS, MATERIAL_KINDS, TEXTURE_KINDS, camera_kinds, shape_kinds
 from lenstrace.scene.objects import Object, Scene
-from lenstrace.scene.rules import CAMERAS, LIGHTS, MATERIALS, SHAPES
 
 SECTIONS = ("name", "source", "camera", "render", "materials", "objects", "lights", "environment")
 
@@ -79,22 +78,23 @@ def scene_from_keys(keys: Mapping[str, Any], folder: str) -> Setup:
     """A scene out of the keys of a file; other files that it names are looked for in `folder`."""
     unknown("the file", keys, SECTIONS, SceneError)
     named = {
-        name: made(f"materials: {name}", entry, MATERIALS, SceneError, (Checker,))
+        name: made(f"materials: {name}", entry, MATERIAL_KINDS, SceneError, TEXTURE_KINDS)
         for name, entry in _table(keys, "materials").items()
     }
+    shapes = shape_kinds(folder)
     scene = Scene(
-        [_object(f"objects {i}", entry, named) for i, entry in enumerate(_tables(keys, "objects"), 1)],
-        [made(f"lights {i}", entry, LIGHTS, SceneError) for i, entry in enumerate(_tables(keys, "lights"), 1)],
+        [_object(f"objects {i}", entry, named, shapes) for i, entry in enumerate(_tables(keys, "objects"), 1)],
+        [made(f"lights {i}", entry, LIGHT_KINDS, SceneError) for i, entry in enumerate(_tables(keys, "lights"), 1)],
         _environment(_table(keys, "environment"), folder) if "environment" in keys else None,
         keys.get("name", ""),
     )
     if "camera" not in keys:
         raise SceneError("camera is missing; write [camera] with a kind, a position and a target")
-    render = _table(keys, "render")
-    return Setup(scene, _camera(_table(keys, "camera")), Settings(**fields_of("render", render, Settings, SceneError)))
+    camera = made("camera", _table(keys, "camera"), camera_kinds(folder), SceneError)
+    return Setup(scene, camera, Settings(**fields_of("render", _table(keys, "render"), Settings, SceneError)))
 
 
-def _object(where: str, entry: Mapping[str, Any], named: Mapping[str, Any]) -> Object:
+def _object(where: str, entry: Mapping[str, Any], named: Mapping[str, Any], shapes: Kinds) -> Object:
     """One of [[objects]]; its material a name or a table."""
     given = fields_of(where, entry, Object, SceneError)
     material = entry["material"]
@@ -103,18 +103,9 @@ def _object(where: str, entry: Mapping[str, Any], named: Mapping[str, Any]) -> O
             raise SceneError(f"{where}: material {material!r} is not in [materials]; {near(material, list(named))}")
         given["material"] = named[material]
     else:
-        given["material"] = made(f"{where}: material", material, MATERIALS, SceneError, (Checker,))
-    given["shape"] = made(f"{where}: shape", entry["shape"], SHAPES, SceneError)
+        given["material"] = made(f"{where}: material", material, MATERIAL_KINDS, SceneError, TEXTURE_KINDS)
+    given["shape"] = made(f"{where}: shape", entry["shape"], shapes, SceneError)
     return Object(**given)
-
-
-def _camera(entry: Mapping[str, Any]) -> Any:
-    """Of [camera]: the keys of its view stand beside its own."""
-    kind = kind_of("camera", entry, CAMERAS, SceneError)
-    of_view = [field.name for field in dataclasses.fields(View)]
-    own = {key: value for key, value in entry.items() if key not in of_view}
-    view = fields_of("camera", {key: entry[key] for key in of_view if key in entry}, View, SceneError)
-    return kind(**fields_of("camera", own | {"view": None}, kind, SceneError) | {"view": View(**view)})
 
 
 def _environment(entry: Mapping[str, Any], folder: str) -> Any:

@@ -15,7 +15,7 @@ from lenstrace.scene.mesh import Mesh
 from lenstrace.scene.objects import Object, Scene
 from lenstrace.scene.rules import LIGHTS, MATERIALS, SHAPES, SHINING, checked, colour, vector
 from lenstrace.scene.search.kind import Way
-from lenstrace.scene.searched import check_mesh, lights_of, primitives_of, searched
+from lenstrace.scene.searched import check_object, lights_of, primitives_of, searched
 from lenstrace.scene.stacks import stack
 from lenstrace.scene.world import World
 
@@ -68,10 +68,10 @@ def _checked(item: Object, where: str) -> Object:
     if emission is not None and not isinstance(item.shape, SHINING):
         names = ", ".join(kind.__name__ for kind in SHINING)
         raise SceneError(f"{where}: emission of a {type(item.shape).__name__} is not known; one of {names} may shine")
-    if isinstance(item.shape, Mesh):
-        _said(where, check_mesh, item)
+    shape = _said(f"{where}: shape", checked, item.shape, SHAPES)
+    _said(where, check_object, item)
     return Object(
-        _said(f"{where}: shape", checked, item.shape, SHAPES),
+        shape,
         _said(f"{where}: material", checked, item.material, MATERIALS),
         _said(f"{where}: position", vector, item.position),
         _said(f"{where}: rotation", vector, item.rotation),

@@ -73,8 +73,9 @@ def formula(text: str, names: tuple[str, ...], constants: Mapping[str, float] | 
     if len(text) > LONGEST:
         raise SceneError(f"formula: at most {LONGEST} characters, got {len(text)}")
     known = {**CONSTANTS, **(constants or {})}
+    text = " ".join(text.split())  # several lines are one
     try:
-        tree = ast.parse(text.replace("^", "**").strip(), mode="eval").body
+        tree = ast.parse(text.replace("^", "**"), mode="eval").body
         return Formula(text, names, _checked(tree, text, names, known))
     except (SyntaxError, ValueError, MemoryError, RecursionError, ArithmeticError) as error:
         if isinstance(error, SceneError):
@@ -115,7 +116,7 @@ def _checked(node: ast.AST, text: str, names: tuple[str, ...], known: Mapping[st
             return function, *map(part, arguments)
         case ast.Call(func=ast.Name(id=name)) if name not in FUNCTIONS:
             raise SceneError(f"formula {text!r}: unknown function {name!r}; it may use {', '.join(FUNCTIONS)}")
-    found = ast.get_source_segment(text.replace("^", "**").strip(), node) or type(node).__name__  # type: ignore[arg-type]
+    found = ast.get_source_segment(text.replace("^", "**"), node) or type(node).__name__  # type: ignore[arg-type]
     raise SceneError(
         f"formula {text!r}: {found!r} is not arithmetic; it may hold numbers, names, + - * / ^ and functions"
     )

@@ -70,6 +70,21 @@ class Mesh:
         a, b, c = np.moveaxis((self.vertices - self.vertices.mean(0))[self.faces], 1, 0)
         return float(np.einsum("ki,ki->", a, np.cross(b, c)) / 6)
 
+    def winding(self, point: np.ndarray) -> float:
+        """How often the mesh goes around a point (3,): 1 inside a solid, 0 outside, -1 in a room whose faces look in.
+
+        The sum of the solid angles of the triangles over 4 pi.
+        Source: A. van Oosterom, J. Strackee, IEEE Trans. Biomedical Engineering 30, 125 (1983), Eq. (8).
+        """
+        corners = (self.vertices - point)[self.faces]
+        a, b, c = np.moveaxis(corners, 1, 0)
+        p, q, r = np.linalg.norm(corners, axis=-1).T
+        across = np.einsum("ki,ki->k", a, np.cross(b, c))
+        around = p * q * r + sum(
+            np.einsum("ki,ki->k", first, second) * length for first, second, length in ((a, b, r), (b, c, p), (c, a, q))
+        )
+        return float(np.sum(np.arctan2(across, around)) / (2 * np.pi))
+
     def require_solid(self, why: str) -> None:
         """SceneError unless the mesh bounds a solid and looks outward. why: as "a dielectric"."""
         if self._open_edges.size:

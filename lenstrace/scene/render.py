@@ -24,8 +24,9 @@ from lenstrace.scene.search.kind import has_callback
 from lenstrace.scene.tally import Tally
 from lenstrace.scene.task import task_of
 
-# Pixels of a thread's share, and of a call; samples of a pixel in one call at most, and where nothing is said.
-CHUNK, BATCH, PASS = 1 << 11, 1 << 15, 16
+# Pixels of a thread's share, at least and at most, and of a call; samples of a pixel in one call at most, and where
+# nothing is said.
+LEAST, CHUNK, BATCH, PASS = 1 << 7, 1 << 11, 1 << 15, 16
 # Pixels of a tile, where the nearest triangle is asked for by calling back.
 TILE = 1 << 14
 SIZE = (256, 256)
@@ -84,7 +85,7 @@ def render(
     for note in notes:
         warnings.warn(note, AccuracyWarning, stacklevel=2)
     pixels = size[0] * size[1]
-    batch = min(BATCH, -(-pixels // (2 * CHUNK)) * 2 * CHUNK)
+    batch = _batch(pixels)
     tally = Tally(pixels, dtype)
     begin = time.perf_counter()
     # no samples, but the program is there
@@ -132,7 +133,13 @@ def _run(task: Task, pixel: int, batch: int, pixels: int, first: int, number: in
     task = dataclasses.replace(task, **counted)
     if has_callback(task.world.searches):
         return each_tile(samples_of, task, numbers, TILE)
-    return each(samples_of, task, numbers, CHUNK)
+    return each(samples_of, task, numbers, min(CHUNK, batch // 2))
+
+
+def _batch(pixels: int) -> int:
+    """Pixels of a call: two shares or more; small pictures have few sizes, for a program is compiled for each."""
+    share = min(CHUNK, max(LEAST, 1 << (pixels // 2 - 1).bit_length()))
+    return min(BATCH, -(-pixels // (2 * share)) * 2 * share)
 
 
 def _passes(limit: int | None) -> Iterator[int]:

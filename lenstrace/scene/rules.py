@@ -7,13 +7,16 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 
 from lenstrace.errors import LensTraceError, SceneError
 from lenstrace.optics.glasses import glass
+from lenstrace.optics.shapes.asphere import Asphere
 from lenstrace.optics.shapes.asphere_cap import AsphereCap
 from lenstrace.optics.shapes.box import Box
+from lenstrace.optics.shapes.conic import Conic
 from lenstrace.optics.shapes.conic_cap import ConicCap
 from lenstrace.optics.shapes.cylinder import Cylinder
 from lenstrace.optics.shapes.disk import Disk
@@ -24,6 +27,7 @@ from lenstrace.optics.shapes.sphere import Sphere
 from lenstrace.optics.shapes.torus import Torus
 from lenstrace.optics.shapes.triangle import Triangle
 from lenstrace.scene.cameras.simple import Orthographic, Pinhole, ThinLens
+from lenstrace.scene.cameras.through_lens import LensCamera
 from lenstrace.scene.cameras.view import View
 from lenstrace.scene.dispersion import Dispersion
 from lenstrace.scene.frame import frame_at
@@ -45,16 +49,18 @@ SMOOTHEST = 1e-3
 SHAPES = (Sphere, Plane, Rectangle, Disk, Box, Cylinder, Torus, ConicCap, AsphereCap, Triangle, Implicit, Mesh)
 # Those of which every part of the area is as likely as another to be taken for a light.
 SHINING = (Sphere, Rectangle, Disk, Triangle, Mesh)
-SOLIDS = (Sphere, Box, Cylinder, Torus)
+SOLIDS = (Sphere, Box, Cylinder, Torus, Implicit)
 MATERIALS = (Diffuse, Mirror, Dielectric, RoughConductor, RoughDielectric, BlinnPhong)
 LIGHTS = (PointLight, DistantLight)
-CAMERAS = (Pinhole, ThinLens, Orthographic)
+CAMERAS = (Pinhole, ThinLens, Orthographic, LensCamera)
 
 Rule = Callable[[Any], Any]
 
 
 def number(value: Any) -> float:
     """A finite number."""
+    if isinstance(value, np.ndarray | jax.Array) and value.ndim == 0:
+        value = value.item()
     if isinstance(value, bool) or not isinstance(value, int | float | np.floating | np.integer):
         raise SceneError(f"must be a number, got {value!r}")
     if not math.isfinite(value):
@@ -71,7 +77,12 @@ def positive(value: Any) -> float:
 
 def extent(value: Any) -> float:
     """A number above 0, or inf."""
-    return math.inf if value == math.inf else positive(value)
+    return _or_infinite(value, positive)
+
+
+def bound(value: Any) -> float:
+    """A number, 0 or above, or inf."""
+    return _or_infinite(value, not_negative)
 
 
 def not_negative(value: Any) -> float:
@@ -79,6 +90,11 @@ def not_negative(value: Any) -> float:
     if number(value) < 0:
         raise SceneError(f"must not be negative, got {value}")
     return float(value)
+
+
+def numbers(value: Any) -> np.ndarray:
+    """Finite numbers, (N,)."""
+    return np.array([number(each) for each in value], float)
 
 
 def share(value: Any) -> float:
@@ -132,6 +148,15 @@ def _three(value: Any, rule: Rule) -> tuple[float, float, float]:
     return x, y, z
 
 
+def _or_infinite(value: Any, rule: Rule) -> float:
+    return math.inf if isinstance(value, float) and value == math.inf else rule(value)
+
+
+def _surface(kind: type) -> Rule:
+    """A shape of the sequential tracer within another."""
+    return lambda value: checked(value, (kind,))
+
+
 def _view(value: Any) -> View:
     if not isinstance(value, View):
         raise SceneError(f"must be a View(position, target, up), got {value!r}")
@@ -148,6 +173,11 @@ RULES: Mapping[type, Mapping[str, Rule]] = {
     Torus: {"major": positive, "minor": positive},
     Triangle: {"a": vector, "b": vector, "c": vector},
     Mesh: {},
+    Conic: {"curvature": number, "conic": number},
+    Asphere: {"curvature": number, "conic": number, "coefficients": numbers, "norm_radius": positive},
+    ConicCap: {"surface": _surface(Conic), "semi_diameter": extent},
+    AsphereCap: {"surface": _surface(Asphere), "semi_diameter": positive},
+    Implicit: {"reach": positive, "steepness": positive, "bending": bound},
     Diffuse: {"albedo": coating},
     Mirror: {"reflectance": coating},
     BlinnPhong: {"diffuse": coating, "specular": coating, "exponent": not_negative},
@@ -161,6 +191,7 @@ RULES: Mapping[type, Mapping[str, Rule]] = {
     Pinhole: {"view": _view, "field_of_view": positive},
     ThinLens: {"view": _view, "focal_length": positive, "f_number": positive, "focus": positive, "film": positive},
     Orthographic: {"view": _view, "height": positive},
+    LensCamera: {"view": _view},
 }
 
 
@@ -168,15 +199,23 @@ def check_outside(position: Any, scene: Scene) -> None:
     """SceneError where a place lies inside a solid object."""
     here = tuple(jnp.asarray(float(each)) for each in position)
     for number, item in enumerate(scene.objects, 1):
-        if isinstance(item.shape, SOLIDS):
-            frame = frame_at(item.position, item.rotation, None)
-            local, _ = frame.local(here, here, None)  # type: ignore[arg-type]
-            if float(item.shape.value(local)) < 0:
-                name = f" ({item.name})" if item.name else ""
-                raise SceneError(
-                    f"camera: stands inside object {number}{name}, a {type(item.shape).__name__}; move it out, or make "
-                    "a room of rectangles"
-                )
+        frame = frame_at(item.position, item.rotation, None)
+        local, _ = frame.local(here, here, None)  # type: ignore[arg-type]
+        if _holds(item.shape, local):
+            name = f" ({item.name})" if item.name else ""
+            raise SceneError(
+                f"camera: stands inside object {number}{name}, a {type(item.shape).__name__}; move it out, or make "
+                "a room of rectangles"
+            )
+
+
+def _holds(shape: Any, point: Any) -> bool:
+    """Whether a point in the axes of a shape lies inside the solid that it is."""
+    if isinstance(shape, Mesh):
+        return shape.is_watertight and shape.winding(np.array(point, float)) > 0.5
+    if isinstance(shape, Implicit) and max(abs(float(each)) for each in point) > float(shape.reach):
+        return False
+    return isinstance(shape, SOLIDS) and float(shape.value(point)) < 0
 
 
 def checked(thing: Any, of: tuple[type, ...] = ()) -> Any:

@@ -8,6 +8,7 @@ import jax
 import numpy as np
 
 from lenstrace.errors import SceneError
+from lenstrace.optics.shapes.implicit import Implicit
 from lenstrace.scene.frame import Three, frame_at
 from lenstrace.scene.lights.area import AreaLight
 from lenstrace.scene.materials.dielectric import Dielectric
@@ -16,11 +17,17 @@ from lenstrace.scene.mesh import Mesh
 from lenstrace.scene.objects import Object
 from lenstrace.scene.search.kind import Search, Way, search
 from lenstrace.scene.stacks import Many, Stack, reordered
+from lenstrace.scene.surfaces import check_implicit
 from lenstrace.scene.world import Primitive
 
 
-def check_mesh(item: Object) -> None:
-    """SceneError where an object that is a mesh cannot be: one of a glass must be a solid, and none moves."""
+def check_object(item: Object) -> None:
+    """SceneError where an object that is a mesh cannot be: one of a glass must be a solid, and none moves; and where
+    the bounds of an implicit surface do not hold."""
+    if isinstance(item.shape, Implicit):
+        check_implicit(item.shape)
+    if not isinstance(item.shape, Mesh):
+        return
     if isinstance(item.material, Dielectric | RoughDielectric):
         item.shape.require_solid(f"a {type(item.material).__name__}")
     if item.motion is not None:

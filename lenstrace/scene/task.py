@@ -10,6 +10,7 @@ import numpy as np
 
 from lenstrace.errors import SceneError
 from lenstrace.scene.build import world_of
+from lenstrace.scene.cameras.through_lens import LensCamera
 from lenstrace.scene.draws import Sampler
 from lenstrace.scene.lanes import Task
 from lenstrace.scene.methods.method import method_of
@@ -37,6 +38,8 @@ def task_of(
     world = world_of(scene, dtype)
     eye = jax.tree.map(lambda a: jnp.asarray(a, dtype), checked(camera, CAMERAS))
     check_outside(camera.view.position, scene)
+    if isinstance(camera, LensCamera):
+        camera.require_covers(*size)
     how = method_of(method, depth, threshold, dtype)
     width, height, word = (jnp.asarray(number, jnp.uint32) for number in (*size, _word(key)))
     nothing = jnp.asarray(0, jnp.int32)

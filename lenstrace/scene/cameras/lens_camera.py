@@ -50,6 +50,7 @@ def lens_camera(
     aspect: float = 2.0,
     rims: bool = True,
     irradiance: bool = False,
+    colour: bool = True,
     fresnel: bool = False,
     absorption: Mapping[int, Number] | None = None,
 ) -> LensCamera:
@@ -68,6 +69,8 @@ def lens_camera(
     irradiance:  weights give the irradiance of the film for the radiance of the scene, about pi / (4 N^2) of it. False:
                  it is divided by what it is in the middle of a clear lens, so that a white wall of radiance 1 is 1
                  there whatever the stop, as a pinhole shows it; what is darker toward the corners stays so.
+    colour:      each sample has a wavelength, with the indices of the glasses there. False: all have the primary one,
+                 without colour fringes and their noise.
     fresnel:     surfaces reflect as without coatings.
     absorption:  1/mm, of the media behind surfaces, by their numbers in the lens: light falls by exp(-a t).
 
@@ -111,7 +114,7 @@ def lens_camera(
     camera = LensCamera(
         View(*(tuple(jnp.asarray(a, float) for a in each) for each in (position, target, up))),  # type: ignore[arg-type]
         system,
-        dispersion,
+        dispersion if colour else None,
         jnp.asarray(film, float) / 2 * sign,
         ahead,
         found.chief,

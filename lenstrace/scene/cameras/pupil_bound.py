@@ -38,6 +38,11 @@ class PupilBound:
     turned: bool = static(default=True)
     ellipse: bool = static(default=True)
 
+    @property
+    def reach(self) -> jax.Array:
+        """Radius of the last node, mm."""
+        return self.step * (self.centre_s.shape[0] - 1)
+
     def at(self, radius: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array, jax.Array]:
         """Centre and half axes at a radius, mm."""
         last = self.centre_s.shape[0] - 1

@@ -33,6 +33,7 @@ from lenstrace.sequential.system import System
 from lenstrace.sequential.trace import trace
 
 MM_PER_UM = 1e-3
+COVERED = 1e-6  # rounding of the film's size
 
 
 @pytree
@@ -85,6 +86,21 @@ class LensCamera:
         ray, passed = self._through(system, living(film_x, film_y, start, slope_x * n, slope_y * n, n))
         weight = jnp.where(ray.ok, self.gain * area * square * square * passed, 0)
         return self._in_scene(ray, weight)
+
+    @property
+    def disperses(self) -> bool:
+        """Whether a ray goes another way for every wavelength."""
+        return self.dispersion is not None
+
+    def require_covers(self, width: int, height: int) -> None:
+        """CameraError for a picture longer than the camera was made for: in its corners the pupil is not known."""
+        aspect = max(width, height) / min(width, height)
+        corner = abs(float(self.half_film)) * math.hypot(1, aspect)
+        if corner > float(self.bound.reach) * (1 + COVERED):
+            raise CameraError(
+                f"size: {width}x{height} is {aspect:.3g} times as long as wide, longer than the camera was made for; "
+                f"make it with aspect = {aspect:.3g}"
+            )
 
     def system_at(self, um: jax.Array | None) -> System:
         """The reversed lens with the indices (S + 1, ...) of wavelengths, micrometres; None: the primary."""

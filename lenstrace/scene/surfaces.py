@@ -1,0 +1,97 @@
+"""Curved surfaces in the words of a prescription, and implicit ones by a formula, as shapes of a scene."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import jax
+import numpy as np
+
+from lenstrace.errors import SceneError
+from lenstrace.optics.shapes.asphere import Asphere
+from lenstrace.optics.shapes.asphere_cap import AsphereCap
+from lenstrace.optics.shapes.conic import Conic
+from lenstrace.optics.shapes.conic_cap import ConicCap
+from lenstrace.optics.shapes.implicit import Implicit
+from lenstrace.scene.formula import formula
+from lenstrace.scene.formula_bounds import slopes_within
+
+AXES = ("x", "y", "z")
+# Places where the bounds that a person gives are tried, and by how much they may be short.
+TRIED, SHORT = 4096, 1e-4
+
+
+def conic(radius: float, semi_diameter: float, conic: float = 0.0) -> ConicCap:
+    """A conic about its vertex at the origin, its axis z.
+
+    radius: of curvature, positive where the centre lies toward +z, inf for a plane.     semi_diameter: of its rim, inf
+    for all of it.      conic: k, -1 a paraboloid.      Lengths of the scene. SceneError for a radius of 0.
+    """
+    return ConicCap(Conic(_curvature(radius), conic), semi_diameter)  # type: ignore[arg-type]
+
+
+def asphere(
+    radius: float, semi_diameter: float, conic: float = 0.0, terms: Mapping[int | str, float] | None = None
+) -> AsphereCap:
+    """A conic with a series in the distance r from the axis added, a_p r^p.
+
+    terms: a_p by the powers p, which are whole and positive.      Else as `conic`; semi_diameter is finite.
+    """
+    powers = {}
+    for power, value in (terms or {}).items():
+        if not str(power).isdigit() or int(power) < 1:
+            raise SceneError(f"terms: a power must be a whole number from 1 on, got {power!r}")
+        powers[int(power)] = value
+    if not powers:
+        raise SceneError("terms: give at least one, such as { 4 = 1e-5 }; without any it is a conic")
+    order = tuple(sorted(powers))
+    norm = float(semi_diameter)
+    scaled = np.array([powers[p] * norm ** (p - 1) for p in order], float)
+    return AsphereCap(Asphere(_curvature(radius), conic, scaled, norm, order), semi_diameter)  # type: ignore[arg-type]
+
+
+def implicit(
+    function: str,
+    reach: float,
+    constants: Mapping[str, float] | None = None,
+    steepness: float | None = None,
+    bending: float | None = None,
+) -> Implicit:
+    """The solid where a formula of x, y and z is negative, inside the cube |x|, |y|, |z| <= reach.
+
+    constants:  by name; other ones compile nothing anew.
+    steepness:  no gradient of the function in the cube is longer.    bending: no second derivative of it is greater.
+    None: both are found by interval arithmetic. SceneError for a formula that is none, or whose slope has no bound.
+    """
+    given = dict(constants or {})
+    if steepness is None:
+        found = slopes_within(formula(function, AXES, given), reach)
+        steepness, bending = max(found[0], math.ulp(0.0)), found[1] if bending is None else bending
+    bending = math.inf if bending is None else bending
+    numbers = tuple(float(value) for value in given.values())
+    return Implicit(reach, steepness, bending, numbers, formula(function, (*AXES, *given)))  # type: ignore[arg-type]
+
+
+def check_implicit(shape: Implicit) -> None:
+    """SceneError where the function is seen to be steeper than it is said to be: its surface would have holes."""
+    reach = float(shape.reach)
+    places = np.random.default_rng(0).uniform(-reach, reach, (3, TRIED))
+    numbers = [np.float64(number) for number in shape.numbers]
+    slopes = jax.vmap(jax.grad(lambda *place: shape.function(*place, *numbers), (0, 1, 2)))(*places)
+    length = np.sqrt(sum(np.asarray(slope) ** 2 for slope in slopes))
+    worst = int(np.argmax(np.where(np.isnan(length), np.inf, length)))
+    where = ", ".join(f"{each:.4g}" for each in places[:, worst])
+    if not np.isfinite(length[worst]):
+        raise SceneError(f"function: its gradient is not finite at ({where}), in the cube of reach {reach:g}")
+    if length[worst] > float(shape.steepness) * (1 + SHORT):
+        raise SceneError(
+            f"steepness {float(shape.steepness):g} is too small: at ({where}) the gradient is {length[worst]:.4g} "
+            "long; give a bound for all of the cube, or leave it out for a formula"
+        )
+
+
+def _curvature(radius: float) -> float:
+    if radius == 0:
+        raise SceneError("radius must not be 0; inf is a plane")
+    return 1 / radius
