@@ -10,6 +10,8 @@ import warnings
 from collections.abc import Sequence
 from typing import NoReturn
 
+import jax
+
 from lenstrace import __version__
 from lenstrace.cli.cache import keep_compiled_programs
 from lenstrace.errors import AccuracyWarning, LensTraceError
@@ -33,8 +35,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     parser.add_argument("--version", action="version", version=f"lenstrace {__version__}")
     if arguments is None:
-        # a program of its own, not a call from Python
+        # a program of its own, not a call from Python; where its lines stand need not be told to the compiler
         gc.set_threshold(NEW_OBJECTS)
+        jax.config.update("jax_traceback_in_locations_limit", 0)
     try:
         return _run(parser, arguments)
     except LensTraceError as error:

@@ -1,6 +1,7 @@
 """What every test runs under: strict dtype promotion, so that nothing is upcast by accident; programs shared by all."""
 
 # ruff: noqa: E402
+import gc
 import os
 import shutil
 import tempfile
@@ -11,6 +12,10 @@ from pathlib import Path
 QUICKLY = "--xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false"
 if QUICKLY not in os.environ.get("XLA_FLAGS", ""):
     os.environ["XLA_FLAGS"] = f"{os.environ.get('XLA_FLAGS', '')} {QUICKLY}"
+
+# nor need the compiler be told where each line stands, nor the collector look as often at what JAX makes
+os.environ.setdefault("JAX_TRACEBACK_IN_LOCATIONS_LIMIT", "0")
+gc.set_threshold(100_000, 50, 100)
 
 import jax
 import pytest

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
+import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -29,6 +30,7 @@ def add_parser(commands: Any) -> None:
     parser.add_argument("-o", "--output", metavar="OUT", help="out.png, or linear radiance in 32 bits: out.npy")
     parser.add_argument("--method", choices=METHODS, help="how light is found (the scene's, or path)")
     parser.add_argument("--size", metavar="WxH", help="pixels (the scene's, or 256x256)")
+    parser.add_argument("--crop", metavar="WxH+X+Y", help="only this part of the picture: W x H pixels from X, Y on")
     parser.add_argument("--spp", type=int, metavar="N", help="samples of each pixel (the scene's, or 16)")
     parser.add_argument("--seconds", type=float, metavar="S", help="as many samples as this time allows")
     parser.add_argument("--noise", type=float, metavar="T", help="until the noise, a share of the mean, is below T")
@@ -57,6 +59,7 @@ def run(arguments: argparse.Namespace) -> None:
         picture = render(
             *(view.scene, view.camera),
             **settings.arguments(),
+            crop=_crop(arguments.crop),
             key=arguments.key,
             seconds=arguments.seconds,
             noise=arguments.noise,
@@ -121,6 +124,17 @@ def _print(picture: Picture, name: str, method: str) -> None:
         f"{rays:.1f} million rays in {picture.seconds:.2f} s, {rate:.1f} million a second, "
         f"after {picture.compile_seconds:.1f} s of compiling"
     )
+
+
+def _crop(text: str | None) -> tuple[int, int, int, int] | None:
+    """Left, top, width and height out of 64x48+100+20."""
+    if text is None:
+        return None
+    found = re.fullmatch(r"(\d+)x(\d+)\+(\d+)\+(\d+)", text)
+    if found is None:
+        raise SceneError(f"--crop: size and place in pixels, such as 64x48+100+20; got {text!r}")
+    width, height, left, top = map(int, found.groups())
+    return left, top, width, height
 
 
 def _size(text: str) -> tuple[int, int]:

@@ -21,7 +21,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import lax
 
-from lenstrace.compute.compiled import COMPILER_OPTIONS, with_precision
+from lenstrace.compute.compiled import LONG_OPTIONS, with_precision
 from lenstrace.compute.packing import Packing, packed
 from lenstrace.design.merit import KEPT, residuals
 from lenstrace.design.problem import Start
@@ -156,7 +156,7 @@ def _advanced(packing: Packing) -> Any:
         lane = jax.tree.map(lambda new, old: jnp.where(fresh, new, old), begun, lane)
         return lax.fori_loop(0, STEPS, step, lane)
 
-    return jax.jit(jax.vmap(of_one, in_axes=(None, 0, 0)), compiler_options=COMPILER_OPTIONS)
+    return jax.jit(jax.vmap(of_one, in_axes=(None, 0, 0)), compiler_options=LONG_OPTIONS)
 
 
 def _trial(lane: Lane, low: jax.Array, high: jax.Array) -> tuple[jax.Array, jax.Array]:

@@ -7,6 +7,8 @@ import os
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
 from lenstrace.errors import CameraError, LensTraceError, SceneError
 from lenstrace.io.kinds import Kinds, named
 from lenstrace.io.native import load
@@ -39,12 +41,17 @@ def shape_kinds(folder: str) -> Kinds:
         formula: str = "",
         steps: tuple[int, int] = (200, 100),
         constants: Mapping[str, float] | None = None,
+        vertices: tuple[Three, ...] = (),
+        faces: tuple[tuple[int, int, int], ...] = (),
         scale: float = 1.0,
         reversed: bool = False,
     ) -> Mesh:
-        if bool(file) == bool(formula):
-            raise SceneError('mesh: give file = "a.ply", or formula = "torus knot"')
-        given = load_mesh(_beside(folder, "file", file)) if file else formula_mesh(formula, *_two(steps), constants)
+        if [bool(file), bool(formula), bool(vertices)].count(True) != 1:
+            raise SceneError('mesh: give one of file = "a.ply", formula = "torus knot", or vertices and faces')
+        if vertices:
+            given = _written(vertices, faces)
+        else:
+            given = load_mesh(_beside(folder, "file", file)) if file else formula_mesh(formula, *_two(steps), constants)
         made = given.scaled(_obeyed("scale", positive, scale))
         return made.reversed() if reversed else made
 
@@ -127,6 +134,14 @@ def _obeyed(key: str, rule: Any, value: Any) -> Any:
         return rule(value)
     except LensTraceError as error:
         raise type(error)(f"{key} {error}") from None
+
+
+def _written(vertices: Any, faces: Any) -> Mesh:
+    """A mesh whose corners stand in the file."""
+    try:
+        return Mesh(np.array(vertices), np.array(faces))
+    except ValueError:
+        raise SceneError("mesh: vertices and faces must be lists of three numbers each") from None
 
 
 def _flag(key: str, value: Any) -> bool:

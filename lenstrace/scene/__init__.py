@@ -16,7 +16,9 @@ from lenstrace.optics.shapes.rectangle import Rectangle
 from lenstrace.optics.shapes.sphere import Sphere
 from lenstrace.optics.shapes.torus import Torus
 from lenstrace.optics.shapes.triangle import Triangle
+from lenstrace.scene.cameras.lens_camera import lens_camera
 from lenstrace.scene.cameras.simple import Orthographic, Pinhole, ThinLens
+from lenstrace.scene.cameras.through_lens import LensCamera
 from lenstrace.scene.cameras.view import View
 from lenstrace.scene.lights.delta import DistantLight, PointLight
 from lenstrace.scene.materials.blinn_phong import BlinnPhong
@@ -32,6 +34,7 @@ from lenstrace.scene.mesh_formula import Parametric, formula_mesh
 from lenstrace.scene.objects import Object, Scene
 from lenstrace.scene.picture import Picture
 from lenstrace.scene.render import Progress, render
+from lenstrace.scene.surfaces import asphere, conic, implicit
 
 __all__ = [
     "Asphere",
@@ -47,6 +50,7 @@ __all__ = [
     "Disk",
     "DistantLight",
     "Implicit",
+    "LensCamera",
     "Mesh",
     "Mirror",
     "Object",
@@ -66,7 +70,11 @@ __all__ = [
     "Torus",
     "Triangle",
     "View",
+    "asphere",
+    "conic",
     "formula_mesh",
+    "implicit",
+    "lens_camera",
     "load_mesh",
     "render",
 ]

@@ -24,9 +24,10 @@ from lenstrace.scene.search.kind import has_callback
 from lenstrace.scene.tally import Tally
 from lenstrace.scene.task import task_of
 
-# Pixels of a thread's share, at least and at most, and of a call; samples of a pixel in one call at most, and where
-# nothing is said.
-LEAST, CHUNK, BATCH, PASS = 1 << 7, 1 << 11, 1 << 15, 16
+# Pixels of a thread's share, of small pictures and of others: few sizes, for a program is compiled for each.
+SHARES = (1 << 7, 1 << 9, 1 << 11)
+# Pixels of a call; samples of a pixel in one call at most, and where nothing is said.
+BATCH, PASS = 1 << 15, 16
 # Pixels of a tile, where the nearest triangle is asked for by calling back.
 TILE = 1 << 14
 SIZE = (256, 256)
@@ -51,6 +52,7 @@ def render(
     camera: Any,
     *,
     size: tuple[int, int] = SIZE,
+    crop: tuple[int, int, int, int] | None = None,
     method: str = "path",
     samples: int | None = None,
     depth: int | None = None,
@@ -65,6 +67,7 @@ def render(
     """The picture of a scene.
 
     size:       width and height, pixels.
+    crop:       left, top, width, height: the part of the picture that is wanted, pixels; they are those of the whole.
     method:     "cast", "whitted", "distributed" or "path".
     samples:    of each pixel; 16, or as many as `seconds` and `noise` allow where one of them is given.
     depth:      longest chain of rays from the eye; None: 128 for trees; for paths 16, and chance ends most before.
@@ -84,16 +87,16 @@ def render(
     notes = () if task.world.lights or task.world.environment else (NO_LIGHT,)
     for note in notes:
         warnings.warn(note, AccuracyWarning, stacklevel=2)
-    pixels = size[0] * size[1]
-    batch = _batch(pixels)
-    tally = Tally(pixels, dtype)
+    part = _part(size, crop)
+    batch = _batch(part.size)
+    tally = Tally(part.size, dtype)
     begin = time.perf_counter()
     # no samples, but the program is there
-    jax.block_until_ready(_run(task, 0, batch, pixels, 0, 0))
+    jax.block_until_ready(_run(task, 0, batch, part, 0, 0))
     start = time.perf_counter()
     interrupted = False
     try:
-        for now in _work(task, tally, batch, limit, noise):
+        for now in _work(task, tally, part, batch, limit, noise):
             spent = time.perf_counter() - start
             if progress is not None:
                 progress(_progress(tally, now, limit, seconds, spent))
@@ -101,7 +104,7 @@ def render(
                 break
     except KeyboardInterrupt:
         interrupted = True
-    shape = size[1], size[0]
+    shape = part.shape
     return Picture(
         tally.mean.reshape(*shape, 3),
         tally.standard_error().reshape(*shape, 3),
@@ -109,14 +112,15 @@ def render(
     )
 
 
-def _work(task: Task, tally: Tally, batch: int, limit: int | None, noise: float | None) -> Iterator[float]:
+def _work(
+    task: Task, tally: Tally, part: np.ndarray, batch: int, limit: int | None, noise: float | None
+) -> Iterator[float]:
     """Take samples, a pass over all batches after the other; gives the noise of the last pass after each batch."""
-    pixels = len(tally.count)
     first, now = 0, math.inf
     for number in _passes(limit):
-        for pixel in range(0, pixels, batch):
-            sums = _run(task, pixel, batch, pixels, first, number)
-            size = min(batch, pixels - pixel)
+        for pixel in range(0, part.size, batch):
+            sums = _run(task, pixel, batch, part, first, number)
+            size = min(batch, part.size - pixel)
             mean, spread = (np.stack([np.asarray(c) for c in colour], -1)[:size] for colour in (sums.mean, sums.spread))
             rays = int(np.sum(np.asarray(sums.rays)[:size], dtype=np.int64))
             tally.add(pixel, mean, spread, number, rays)
@@ -126,19 +130,28 @@ def _work(task: Task, tally: Tally, batch: int, limit: int | None, noise: float 
             return
 
 
-def _run(task: Task, pixel: int, batch: int, pixels: int, first: int, number: int) -> Sums:
+def _part(size: tuple[int, int], crop: tuple[int, int, int, int] | None) -> np.ndarray:
+    """Numbers of the pixels that are wanted, (rows, columns), row after row from the upper left corner of the whole."""
+    left, top, width, height = crop or (0, 0, *size)
+    if min(left, top) < 0 or min(width, height) < 1 or left + width > size[0] or top + height > size[1]:
+        raise SceneError(f"crop: left, top, width, height must lie in the {size[0]}x{size[1]} pixels, got {crop}")
+    rows, columns = np.arange(top, top + height, dtype=np.uint32), np.arange(left, left + width, dtype=np.uint32)
+    return rows[:, None] * np.uint32(size[0]) + columns
+
+
+def _run(task: Task, pixel: int, batch: int, part: np.ndarray, first: int, number: int) -> Sums:
     """Samples of a batch of pixels; those beyond the last repeat it."""
-    numbers = np.minimum(np.arange(pixel, pixel + batch), pixels - 1).astype(np.uint32)
+    numbers = part.ravel()[np.minimum(np.arange(pixel, pixel + batch), part.size - 1)]
     counted = {"first": jnp.asarray(first, jnp.int32), "count": jnp.asarray(number, jnp.int32)}
     task = dataclasses.replace(task, **counted)
     if has_callback(task.world.searches):
         return each_tile(samples_of, task, numbers, TILE)
-    return each(samples_of, task, numbers, min(CHUNK, batch // 2))
+    return each(samples_of, task, numbers, min(SHARES[-1], batch // 2))
 
 
 def _batch(pixels: int) -> int:
-    """Pixels of a call: two shares or more; small pictures have few sizes, for a program is compiled for each."""
-    share = min(CHUNK, max(LEAST, 1 << (pixels // 2 - 1).bit_length()))
+    """Pixels of a call, two shares or more."""
+    share = next((share for share in SHARES if pixels <= 2 * share), SHARES[-1])
     return min(BATCH, -(-pixels // (2 * share)) * 2 * share)
 
 

@@ -28,7 +28,7 @@ class Stack:
     def chosen(self, number: jax.Array, function: Callable[[Any], Any]) -> Any:
         """function(numbers of thing `number`), for an array of numbers; every kind is computed, one is taken.
 
-        number: (R,), clipped to what there is. The function sees leaves (R, ...) and returns a pytree of arrays (R,).
+        number: (R,), clipped to what there is. The function sees leaves (..., R) and returns a pytree of arrays (R,).
         """
         number = jnp.clip(number, 0, self.kind.shape[0] - 1)
         place = self.place[number]
@@ -41,8 +41,13 @@ class Stack:
 
 
 def gathered(stacked: Any, place: jax.Array) -> Any:
-    """The numbers at each place of stacked ones; clipped to the stack."""
-    return jax.tree.map(lambda a: a[jnp.clip(place, 0, a.shape[0] - 1)], stacked)
+    """The numbers at each place of stacked ones, clipped to the stack: (..., R) of (K, ...)."""
+    return own_first(jax.tree.map(lambda a: a[jnp.clip(place, 0, a.shape[0] - 1)], stacked))
+
+
+def own_first(stacked: Any) -> Any:
+    """The axis over things put last: what has axes of its own then goes with arrays of rays like a single one."""
+    return jax.tree.map(lambda a: a if a.ndim < 2 else jnp.moveaxis(a, 0, -1), stacked)
 
 
 @dataclasses.dataclass(frozen=True)

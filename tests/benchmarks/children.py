@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import jax
@@ -38,6 +39,14 @@ def gradient_memory() -> dict[str, float]:
     jax.block_until_ready(_slope(lens, RINGS)())
     count = 1 + 3 * RINGS * (RINGS + 1)
     return {"rays": count, "peak": peak_mb() - before, "arrays": 2 * 8 * count / MB}
+
+
+def large_picture() -> dict[str, float]:
+    """Cornell's box in 4,000 x 3,000 pixels, one sample each."""
+    path = Path(__file__).parents[2] / "designs" / "scenes" / "cornell_box.toml"
+    setup = lenstrace.load_scene(path)
+    picture = lenstrace.render(setup.scene, setup.camera, size=(4000, 3000), samples=1, depth=8)
+    return {"pixels": picture.samples.size, "peak": peak_mb()}
 
 
 def kernel_compiles(count: int, copies: int) -> dict[str, float]:

@@ -11,7 +11,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from lenstrace.compute.compiled import COMPILER_OPTIONS
+from lenstrace.compute.blocks import each
+from lenstrace.compute.compiled import LONG_OPTIONS
+from lenstrace.compute.tiles import each_tile
+from lenstrace.io.native import load
 from lenstrace.io.scene import load_scene
 from lenstrace.scene import (
     Dielectric,
@@ -24,10 +27,17 @@ from lenstrace.scene import (
     Scene,
     ThinLens,
     Torus,
+    formula_mesh,
+    lens_camera,
     render,
 )
+from lenstrace.scene.build import world_of
+from lenstrace.scene.hits import nearest
 from lenstrace.scene.lanes import samples_of
-from lenstrace.scene.render import CHUNK, task_of
+from lenstrace.scene.rays import NOWHERE, SceneRay
+from lenstrace.scene.render import SHARES, task_of
+from lenstrace.scene.search.kind import Way
+from tests.benchmarks import fresh
 from tests.benchmarks.paired import interleaved
 from tests.benchmarks.table import Table
 
@@ -35,6 +45,7 @@ SCENES = Path(__file__).parents[2] / "designs" / "scenes"
 SIZE, SAMPLES, DEPTH = 256, 64, 8
 FEW = 8  # samples, where many variants are compared
 ROUNDS = 5
+RAYS = 1_000_000
 MEAN = np.array([0.24015, 0.14112, 0.05998])
 WITHIN = 6e-4
 
@@ -44,6 +55,10 @@ def scenes() -> Table:
     table = Table("scenes: Cornell's box by path tracing, 256 x 256 pixels, 64 samples, depth 8, float32")
     _cornell(table)
     _features(table)
+    _mesh(table)
+    _through_lens(table)
+    large = fresh.answer("children", "large_picture")
+    table.value("a picture of 4,000 x 3,000 pixels: memory of the process at most", large["peak"], "MB", at_most=2000)
     return table
 
 
@@ -132,6 +147,44 @@ def _features(table: Table) -> None:
         table.value(f"{name}: program", _instructions(scene, eye, method), "instructions")
 
 
+def _mesh(table: Table) -> None:
+    """The nearest of 72,000 triangles along rays that have nothing to do with each other."""
+    mesh = formula_mesh("torus knot", 600, 60)
+    random = np.random.default_rng(0)
+    point, aim = (random.normal(size=(RAYS, 3)).astype(np.float32) for _ in range(2))
+    point *= 2 / np.linalg.norm(point, axis=1, keepdims=True)
+    aim /= np.linalg.norm(aim, axis=1, keepdims=True)
+    columns = (tuple(jnp.asarray(a) for a in vector.T) for vector in (point, aim))
+    ray = SceneRay(*columns, jnp.full(RAYS, NOWHERE, jnp.int32))  # type: ignore[arg-type]
+    world = {way: world_of(Scene([Object(mesh, Diffuse(0.5))]), np.float32, way) for way in (Way.AUTO, Way.HIERARCHY)}
+    calls: dict[str, Callable[[], Any]] = {
+        "Embree": lambda: jax.block_until_ready(each_tile(nearest, world[Way.AUTO], ray)),
+        "the hierarchy in JAX": lambda: jax.block_until_ready(each(nearest, world[Way.HIERARCHY], ray)),
+    }
+    seconds = interleaved(calls, ROUNDS)
+    for name, at_least in (("Embree", 4.0), ("the hierarchy in JAX", None)):
+        rate = RAYS / float(np.median(seconds[name])) / 1e6
+        table.value(f"incoherent rays among {len(mesh):,} triangles, {name}", rate, "million/s", at_least=at_least)
+
+
+def _through_lens(table: Table) -> None:
+    """Cornell's box through the double Gauss, of one wavelength and of all, against the pinhole."""
+    setup = load_scene(SCENES / "cornell_box.toml")
+    gauss = load(SCENES.parent / "double_gauss.toml")
+    given: dict[str, Any] = {"focus": 3.9, "f_number": 5.0, "film": 36.2, "unit_mm": 1000.0, "aspect": 1.0}
+    view = setup.camera.view
+    eyes = {"pinhole": setup.camera}
+    for name, colour in (("through the double Gauss, one wavelength", False), ("through the double Gauss", True)):
+        eyes[name] = lens_camera(gauss, view.position, view.target, view.up, colour=colour, **given)
+
+    def draw(eye: Any) -> Callable[[], Any]:
+        return lambda: render(setup.scene, eye, size=(SIZE, SIZE), samples=SAMPLES, depth=DEPTH)
+
+    seconds = interleaved({name: draw(eye) for name, eye in eyes.items()}, ROUNDS)
+    for name in list(eyes)[1:]:
+        table.compare(f"{name} / pinhole", seconds[name], seconds["pinhole"], at_most=1.6)
+
+
 def _with(scene: Scene, material: Any, **more: Any) -> Scene:
     """The scene with its small box of another material."""
     objects = list(scene.objects)
@@ -146,6 +199,6 @@ def _ring() -> Object:
 def _instructions(scene: Scene, camera: Any, method: str) -> int:
     """Of the program of the samples, as XLA leaves it."""
     task = task_of(scene, camera, (SIZE, SIZE), method=method, depth=DEPTH)
-    pixels = jnp.zeros(CHUNK, jnp.uint32)
-    compiled = jax.jit(samples_of, compiler_options=COMPILER_OPTIONS).lower(task, pixels).compile()
+    pixels = jnp.zeros(SHARES[-1], jnp.uint32)
+    compiled = jax.jit(samples_of, compiler_options=LONG_OPTIONS).lower(task, pixels).compile()
     return compiled.as_text().count(" = ")

@@ -54,10 +54,10 @@ def test_the_change_is_that_of_a_lens_with_the_error(
     assert row.focal_length == pytest.approx(first - nominal, rel=2e-3, abs=1e-9)
 
 
-@pytest.mark.parametrize("name", ["hubble", "three_mirror_telescope"])
-def test_what_apertures_stop_does_not_count(designs: dict[str, Lens], name: str) -> None:
-    assert sensitivity(designs[name], rings=3).spots == pytest.approx(
-        np.asarray(lenstrace.spots(designs[name], rings=3).polychromatic.rms_centroid), rel=1e-6
+def test_what_apertures_stop_does_not_count(designs: dict[str, Lens]) -> None:
+    hubble = designs["hubble"]
+    assert sensitivity(hubble, rings=3).spots == pytest.approx(
+        np.asarray(lenstrace.spots(hubble, rings=3).polychromatic.rms_centroid), rel=1e-6
     )
 
 

@@ -210,7 +210,15 @@ def test_nothing_is_compiled_for_other_numbers():
         Scene([BALL.objects[0], Object(Sphere(0.3), Mirror(0.9), (0.2, 0.5, 0))], [PointLight((1, 4, 3), 9.0)])
     )
     for scene in scenes:
-        last = render(scene, Pinhole(VIEW, 30.0), size=(16, 16), samples=2, depth=5)
+        last = render(scene, Pinhole(VIEW, 30.0), size=(30, 30), samples=2, depth=5)
     assert last.compile_seconds < 0.1
     again = render(scenes[0], Pinhole(VIEW, 50.0), size=(40, 20), samples=3, depth=9, key=4)
     assert again.compile_seconds < 0.1
+
+
+def test_a_part_of_a_picture_is_that_of_the_whole() -> None:
+    whole = render(BALL, Pinhole(VIEW, 30.0), size=(40, 30), samples=2, key=3)
+    part = render(BALL, Pinhole(VIEW, 30.0), size=(40, 30), crop=(11, 7, 13, 9), samples=2, key=3)
+    np.testing.assert_allclose(part.radiance, whole.radiance[7:16, 11:24], rtol=1e-5, atol=1e-6)
+    with pytest.raises(SceneError, match=r"crop: left, top, width, height must lie in the 40x30 pixels, got \(30, 0,"):
+        render(BALL, Pinhole(VIEW, 30.0), size=(40, 30), crop=(30, 0, 11, 5), samples=2)

@@ -16,6 +16,7 @@ from lenstrace.compute.blocks import BLOCK_BYTES
 from lenstrace.optics.vectors import Vector
 from lenstrace.scene.rays import NOWHERE, SceneRay
 from lenstrace.scene.search.hierarchy import WIDE, Hierarchy
+from lenstrace.scene.stacks import own_first
 
 # Rays that go one after the other: a block of float32 numbers.
 BLOCK = BLOCK_BYTES // 4
@@ -142,7 +143,7 @@ def _at_leaf(primitives: Any, ray: SceneRay, way: _Way, leaf: jax.Array, target:
     begin, last = leaf // WIDE, leaf % WIDE
     total = primitives.number.shape[0]
     start = jnp.minimum(begin, total - WIDE)
-    some = jax.tree.map(lambda a: lax.dynamic_slice_in_dim(a, start, WIDE), primitives)
+    some = own_first(jax.tree.map(lambda a: lax.dynamic_slice_in_dim(a, start, WIDE), primitives))
     place = jnp.arange(WIDE, dtype=jnp.int32) + start
     asked = (place >= begin) & (place <= begin + last) & (some.number != target)
     distance = jnp.where(asked, some.distance(ray), jnp.inf)

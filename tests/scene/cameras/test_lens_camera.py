@@ -195,8 +195,7 @@ def pixel(camera: LensCamera, u: jax.Array, v: jax.Array) -> jax.Array:
 
 
 def test_derivatives(gauss: Lens) -> None:
-    """Of a ray, of the focus, and of a pixel by a curvature: against central differences with the same samples; in
-    reverse as in forward mode."""
+    """Of a ray, of the focus, and of a pixel by a curvature: against central differences with the same samples."""
     k = np.arange(1 << 14)
     u, v = jnp.asarray((k + 0.5) / k.size), jnp.asarray((k * (np.sqrt(5) - 1) / 2) % 1)
     slant = [jnp.asarray([a]) for a in (3.0, -8.0, 0.02, 0.15, np.sqrt(1 - 0.0229))]
@@ -216,8 +215,6 @@ def test_derivatives(gauss: Lens) -> None:
         difference = (value(c + step) - value(c - step)) / (2 * step)
         for place in which:
             assert float(got[place]) == pytest.approx(float(difference[place]), rel=near)
-    reverse = jax.jit(jax.grad(lambda c: values(c)[0]))(c)
-    assert float(reverse) == pytest.approx(float(got[0]), rel=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -76,7 +76,7 @@ def _blocked(world: World, asked: Any) -> Any:
 def test_meets_what_asking_all_meets(way: Way, dtype: Any) -> None:
     random = np.random.default_rng(1)
     mesh = formula_mesh("rippled sphere", 40, 20)
-    ray = _ray(_inside_ball(30_000, 1.2, random), _directions(30_000, random), dtype)
+    ray = _ray(_inside_ball(8_000, 1.2, random), _directions(8_000, random), dtype)
     (t, number), (all_t, all_number) = (_run(_nearest, _world(mesh, dtype, each), ray) for each in (way, Way.ALL))
     met = all_number != NOWHERE
     assert 0.5 < met.mean() < 0.95
@@ -103,12 +103,15 @@ def test_many_spheres_go_through_a_hierarchy(dtype: Any) -> None:
     tree, every = (world_of(Scene(objects), dtype, way) for way in (Way.AUTO, Way.ALL))
     assert isinstance(tree.searches[0], Hierarchy)
     assert every.searches == (None,)
-    ray = _ray(_inside_ball(20_000, 1.5, random), _directions(20_000, random), dtype)
-    ray = SceneRay(ray.point, ray.direction, ray.start, jnp.asarray(random.uniform(-0.5, 0.5, 20_000), dtype))
+    ray = _ray(_inside_ball(6_000, 1.5, random), _directions(6_000, random), dtype)
+    ray = SceneRay(ray.point, ray.direction, ray.start, jnp.asarray(random.uniform(-0.5, 0.5, 6_000), dtype))
     (t, number), (all_t, all_number) = (_run(_nearest, world, ray) for world in (tree, every))
     assert (number == all_number).all()
     met = number != NOWHERE
-    assert np.allclose(t[met], all_t[met], rtol=0, atol=10 * np.finfo(dtype).eps)
+    # grazed spheres are met to the root of a rounding error alone
+    apart = np.abs(t[met] - all_t[met])
+    assert np.quantile(apart, 0.99) < 10 * np.finfo(dtype).eps
+    assert apart.max() < np.sqrt(np.finfo(dtype).eps)
     # and from where they begin on a sphere
     hit = intersect(every, ray)
     onward = ray.onward(hit.point, hit.normal, hit.primitive)
@@ -120,11 +123,11 @@ def test_blocked(way: Way) -> None:
     random = np.random.default_rng(3)
     mesh = formula_mesh("torus knot", 60, 12)
     world = _world(mesh, np.float64, way)
-    ray = _ray(_inside_ball(20_000, 3, random), _directions(20_000, random), np.float64)
+    ray = _ray(_inside_ball(6_000, 3, random), _directions(6_000, random), np.float64)
     t, number = _run(_nearest, _world(mesh, np.float64, Way.ALL), ray)
     met = number != NOWHERE
     assert 0.2 < met.mean() < 0.9
-    nobody = jnp.full(20_000, NOWHERE, jnp.int32)
+    nobody = jnp.full(6_000, NOWHERE, jnp.int32)
     far = jnp.where(met, t, 1.0)
     # single precision tells no distances apart right at the beginning
     near = (t > 0.05) | ~met
