@@ -24,7 +24,7 @@ from lenstrace.scene.mesh import Mesh
 from lenstrace.scene.mesh_file import load_mesh
 from lenstrace.scene.mesh_formula import formula_mesh
 from lenstrace.scene.objects import Three
-from lenstrace.scene.rules import LIGHTS, MATERIALS, SHAPES, number, positive, vector
+from lenstrace.scene.rules import LIGHTS, MATERIALS, SHAPES, not_negative, obeyed, positive, vector
 from lenstrace.scene.surfaces import asphere, conic, implicit
 
 UP = (0.0, 1.0, 0.0)
@@ -52,7 +52,7 @@ def shape_kinds(folder: str) -> Kinds:
             given = _written(vertices, faces)
         else:
             given = load_mesh(_beside(folder, "file", file)) if file else formula_mesh(formula, *_two(steps), constants)
-        made = given.scaled(_obeyed("scale", positive, scale))
+        made = given.scaled(obeyed("scale", positive, scale))
         return made.reversed() if reversed else made
 
     said_otherwise = (Mesh, ConicCap, AsphereCap, Implicit)
@@ -105,14 +105,14 @@ def camera_kinds(folder: str) -> Kinds:
         far = focus if isinstance(focus, float) and math.isinf(focus) else None
         return lens_camera(
             prescription,
-            _obeyed("position", vector, position),
-            _obeyed("target", vector, target),
-            _obeyed("up", vector, up),
-            film=_obeyed("film", positive, film),
-            focus=None if focus == AS_DESIGNED else far or _obeyed("focus", positive, focus),
-            f_number=None if f_number is None else _obeyed("f_number", positive, f_number),
-            unit_mm=_obeyed("unit_mm", positive, unit_mm),
-            aspect=_obeyed("aspect", positive, aspect),
+            obeyed("position", vector, position),
+            obeyed("target", vector, target),
+            obeyed("up", vector, up),
+            film=obeyed("film", positive, film),
+            focus=None if focus == AS_DESIGNED else far or obeyed("focus", positive, focus),
+            f_number=None if f_number is None else obeyed("f_number", positive, f_number),
+            unit_mm=obeyed("unit_mm", positive, unit_mm),
+            aspect=obeyed("aspect", positive, aspect),
             rims=_flag("rims", rims),
             irradiance=_flag("irradiance", irradiance),
             colour=_flag("colour", colour),
@@ -127,13 +127,6 @@ def _beside(folder: str, key: str, name: Any) -> str:
     if not isinstance(name, str):
         raise SceneError(f"{key} must be the name of a file, got {name!r}")
     return os.path.join(folder, name)
-
-
-def _obeyed(key: str, rule: Any, value: Any) -> Any:
-    try:
-        return rule(value)
-    except LensTraceError as error:
-        raise type(error)(f"{key} {error}") from None
 
 
 def _written(vertices: Any, faces: Any) -> Mesh:
@@ -163,4 +156,4 @@ def _absorption(given: Any) -> dict[int, float] | None:
         return None
     if not isinstance(given, Mapping) or not all(str(key).isdigit() for key in given):
         raise SceneError(f"absorption must be a table of surfaces and 1/mm, {{ 3 = 0.001 }}, got {given!r}")
-    return {int(key): _obeyed(f"absorption: {key}", number, value) for key, value in given.items()}
+    return {int(key): obeyed(f"absorption: {key}", not_negative, value) for key, value in given.items()}

@@ -57,6 +57,14 @@ CAMERAS = (Pinhole, ThinLens, Orthographic, LensCamera)
 Rule = Callable[[Any], Any]
 
 
+def obeyed(name: str, rule: Rule, value: Any) -> Any:
+    """What a rule makes of a value; its error names it."""
+    try:
+        return rule(value)
+    except LensTraceError as error:
+        raise type(error)(f"{name} {error}") from None
+
+
 def number(value: Any) -> float:
     """A finite number."""
     if isinstance(value, np.ndarray | jax.Array) and value.ndim == 0:
@@ -226,10 +234,6 @@ def checked(thing: Any, of: tuple[type, ...] = ()) -> Any:
     kinds = of or tuple(RULES)
     if type(thing) not in kinds or type(thing) not in RULES:
         raise SceneError(f"must be one of {', '.join(kind.__name__ for kind in kinds)}; got {thing!r}")
-    made = {}
-    for name, rule in RULES[type(thing)].items():
-        try:
-            made[name] = rule(getattr(thing, name))
-        except LensTraceError as error:
-            raise type(error)(f"{type(thing).__name__}: {name} {error}") from None
+    kind = type(thing).__name__
+    made = {name: obeyed(f"{kind}: {name}", rule, getattr(thing, name)) for name, rule in RULES[type(thing)].items()}
     return dataclasses.replace(thing, **made)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 import jax
 import numpy as np
@@ -16,6 +17,7 @@ from lenstrace.optics.shapes.conic_cap import ConicCap
 from lenstrace.optics.shapes.implicit import Implicit
 from lenstrace.scene.formula import formula
 from lenstrace.scene.formula_bounds import slopes_within
+from lenstrace.scene.rules import number, obeyed, positive
 
 AXES = ("x", "y", "z")
 # Places where the bounds that a person gives are tried, and by how much they may be short.
@@ -46,8 +48,8 @@ def asphere(
     if not powers:
         raise SceneError("terms: give at least one, such as { 4 = 1e-5 }; without any it is a conic")
     order = tuple(sorted(powers))
-    norm = float(semi_diameter)
-    scaled = np.array([powers[p] * norm ** (p - 1) for p in order], float)
+    norm = obeyed("semi_diameter", positive, semi_diameter)
+    scaled = np.array([obeyed(f"terms: {p}", number, powers[p]) * norm ** (p - 1) for p in order], float)
     return AsphereCap(Asphere(_curvature(radius), conic, scaled, norm, order), semi_diameter)  # type: ignore[arg-type]
 
 
@@ -64,13 +66,13 @@ def implicit(
     steepness:  no gradient of the function in the cube is longer.    bending: no second derivative of it is greater.
     None: both are found by interval arithmetic. SceneError for a formula that is none, or whose slope has no bound.
     """
-    given = dict(constants or {})
+    given = {name: obeyed(f"constants: {name}", number, value) for name, value in (constants or {}).items()}
+    reach = obeyed("reach", positive, reach)
     if steepness is None:
         found = slopes_within(formula(function, AXES, given), reach)
         steepness, bending = max(found[0], math.ulp(0.0)), found[1] if bending is None else bending
     bending = math.inf if bending is None else bending
-    numbers = tuple(float(value) for value in given.values())
-    return Implicit(reach, steepness, bending, numbers, formula(function, (*AXES, *given)))  # type: ignore[arg-type]
+    return Implicit(reach, steepness, bending, tuple(given.values()), formula(function, (*AXES, *given)))  # type: ignore[arg-type]
 
 
 def check_implicit(shape: Implicit) -> None:
@@ -91,7 +93,13 @@ def check_implicit(shape: Implicit) -> None:
         )
 
 
-def _curvature(radius: float) -> float:
-    if radius == 0:
-        raise SceneError("radius must not be 0; inf is a plane")
-    return 1 / radius
+def _curvature(radius: Any) -> float:
+    return 1 / obeyed("radius", _radius, radius)
+
+
+def _radius(value: Any) -> float:
+    if isinstance(value, float) and math.isinf(value):
+        return value
+    if number(value) == 0:
+        raise SceneError("must not be 0; inf is a plane")
+    return float(value)

@@ -82,10 +82,12 @@ def test_bounds_that_do_not_hold_are_refused() -> None:
         asphere(1.0, 0.5, terms={1.5: 1.0})  # type: ignore[dict-item]
     with pytest.raises(SceneError, match="radius must not be 0"):
         conic(0.0, 0.5)
-    with pytest.raises(SceneError, match="object 1: shape: ConicCap: surface Conic: curvature must be finite"):
-        world_of(Scene([Object(conic(np.nan, 0.5), GREY)]))
-    with pytest.raises(SceneError, match="object 1: shape: AsphereCap: surface Asphere: norm_radius must be positive"):
-        world_of(Scene([Object(asphere(1.0, -0.5, terms={4: 0.1}), GREY)]))
+    with pytest.raises(SceneError, match="radius must be finite, got nan"):
+        conic(np.nan, 0.5)
+    with pytest.raises(SceneError, match="object 1: shape: ConicCap: surface Conic: conic must be a number, got 'k'"):
+        world_of(Scene([Object(conic(1.0, 0.5, "k"), GREY)]))  # type: ignore[arg-type]
+    with pytest.raises(SceneError, match=r"semi_diameter must be positive, got -0\.5"):
+        asphere(1.0, -0.5, terms={4: 0.1})
     inside = Pinhole(View((0.0, 0.1, 0.0), (0.0, 0.0, 1.0)), 30.0)  # type: ignore[arg-type]
     with pytest.raises(SceneError, match="camera: stands inside object 1, a Implicit"):
         render(Scene([Object(implicit("x^2 + y^2 + z^2 - 0.25", 1.0), GREY)], environment=1.0), inside, size=(2, 2))

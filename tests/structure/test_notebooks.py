@@ -44,6 +44,7 @@ def test_there_are_notebooks() -> None:
         "what_limits_this_lens",
         "from_appel_to_path_tracing",
         "noise_and_its_price",
+        "a_photograph_through_the_double_gauss",
     }
     assert named <= {path.stem for path in NOTEBOOKS}
 

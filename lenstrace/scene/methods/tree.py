@@ -46,7 +46,7 @@ class Tree:
         """Along rays, and how many rays were traced for each."""
         one = jnp.ones_like(ray.point[0])
         root = _Node(ray, (one, one, one), jnp.ones(one.shape, jnp.int32))
-        kept = (root,) * (self.levels if world.refracts else 0)
+        kept = jax.tree.map(lambda a: jnp.zeros((self.levels if world.refracts else 0, *a.shape), a.dtype), root)
         here, none = jnp.ones(one.shape, bool), jnp.zeros(one.shape, jnp.int32)
         begin = _Walk(root, here, kept, none, (0 * one, 0 * one, 0 * one), none)
 
@@ -71,7 +71,7 @@ class _Walk(NamedTuple):
 
     node: _Node
     alive: jax.Array
-    kept: tuple[_Node, ...]
+    kept: _Node
     height: jax.Array
     radiance: Colour
     rays: jax.Array
@@ -108,10 +108,11 @@ def _visit(world: World, walk: _Walk, draws: Draws, purpose: jax.Array, settings
     first, second = _where(weaker, mirrored, refracted), _where(weaker, refracted, mirrored)
     first_goes, second_goes = jnp.where(weaker, goes, parts), jnp.where(weaker, parts, goes)
     pushed, popped = first_goes & second_goes, alive & ~first_goes & ~second_goes & (walk.height > 0)
-    kept = tuple(_where(pushed & (walk.height == i), second, each) for i, each in enumerate(walk.kept))
-    following = _where(first_goes, first, second)
-    for i, each in enumerate(walk.kept):
-        following = _where(popped & (walk.height == i + 1), each, following)
+    level = jnp.arange(settings.levels, dtype=jnp.int32)[:, None]
+    kept = _where(pushed & (walk.height == level), second, walk.kept)
+    on_top = walk.height - 1 == level
+    last = jax.tree.map(lambda a: jnp.sum(jnp.where(on_top, a, 0), 0, dtype=a.dtype), walk.kept)
+    following = _where(first_goes, first, _where(popped, last, second))
     height = walk.height + pushed.astype(jnp.int32) - popped.astype(jnp.int32)
     return walk._replace(node=following, alive=first_goes | second_goes | popped, kept=kept, height=height)
 
