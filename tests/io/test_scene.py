@@ -141,7 +141,10 @@ def test_shapes_in_the_words_of_a_person(write, tmp_path, kind):
         ('{ kind = "mesh", formula = "knot" }', "mesh: unknown surface 'knot'; one of rippled sphere"),
         ('{ kind = "mesh", formula = "torus knot", steps = 3 }', "steps must be two whole numbers"),
         ('{ kind = "mesh", formula = "torus knot", scale = -1 }', "shape, mesh: scale must be positive, got -1"),
-        ('{ kind = "mesh", vertices = [[0, 0]], faces = [[0, 0, 0]] }', "mesh: vertices must be an array .count, 3., got|must be lists of three"),
+        (
+            '{ kind = "mesh", vertices = [[0, 0]], faces = [[0, 0, 0]] }',
+            "mesh: vertices must be an array .count, 3., got|must be lists of three",
+        ),
         ('{ kind = "mesh", vertices = [[0, 0, 0], [1]], faces = [[0, 1, 2]] }', "must be lists of three numbers each"),
         ('{ kind = "implicit", function = "x +", reach = 1.0 }', "formula 'x .': cannot be read"),
         ('{ kind = "implicit", function = "1 / x", reach = 1.0 }', "shape, implicit: .*steepness"),
