@@ -47,6 +47,23 @@ def test_what_is_printed(capsys):
         assert words in out
 
 
+def test_a_part_is_that_of_the_whole(capsys, tmp_path):
+    few = "--size", "24x16", "--spp", "2", "--depth", "3"
+    for name, words in (("whole", ()), ("part", ("--crop", "6x4+10+8"))):
+        assert run(capsys, BOX, *few, *words, "-o", str(tmp_path / f"{name}.npy"))[0] == 0
+    whole, part = (np.load(tmp_path / f"{name}.npy") for name in ("whole", "part"))
+    np.testing.assert_allclose(part, whole[8:12, 10:16], rtol=1e-5)
+
+
+@pytest.mark.parametrize("path", sorted(SCENES.glob("*.toml")), ids=lambda path: path.stem)
+def test_every_scene_that_ships_has_light_and_no_nan(path, capsys):
+    status, out, _ = run(capsys, str(path), "--size", "8x6", "--spp", "2", "--json")
+    keys = json.loads(out)
+    assert status == 0
+    assert keys["nan_pixels"] == 0
+    assert min(keys["mean_rgb"]) > 0
+
+
 def test_ctrl_c_writes_the_picture_so_far(capsys, tmp_path, monkeypatch):
     import lenstrace.cli.render as command
 
@@ -71,6 +88,8 @@ def test_ctrl_c_writes_the_picture_so_far(capsys, tmp_path, monkeypatch):
     [
         (["nowhere.toml"], "nowhere.toml: cannot be read"),
         ([BOX, "--size", "big"], "--size: width and height in pixels, such as 640x480; got 'big'"),
+        ([BOX, "--crop", "64x48"], "--crop: size and place in pixels, such as 64x48+100+20; got '64x48'"),
+        ([BOX, "--size", "16x16", "--crop", "9x9+8+0"], "must lie in the 16x16 pixels"),
         ([BOX, "--spp", "0"], "samples: at least 1"),
         ([BOX, "-o", "box.bmp"], "suffix must be one of"),
         ([BOX, "-o", "/nowhere/box.png"], "not a folder"),
