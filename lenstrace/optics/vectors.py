@@ -17,9 +17,9 @@ def dot(a: Vector, b: Vector) -> jax.Array:
 
 
 def normalize(a: Vector) -> Vector:
-    """The unit vector along `a`; `a` must not be zero."""
-    scale = 1 / jnp.sqrt(dot(a, a))
-    return a[0] * scale, a[1] * scale, a[2] * scale
+    """The unit vector along `a`; `a` must not be zero. As in `divide_where`, quotients are taken last."""
+    length = jnp.sqrt(dot(a, a))
+    return a[0] / length, a[1] / length, a[2] / length
 
 
 def safe_sqrt(x: jax.Array, substitute: float = 1.0) -> jax.Array:

@@ -46,15 +46,14 @@ def intersect(world: World, ray: SceneRay, wanted: jax.Array | None = None) -> H
     met = primitive != NOWHERE
     distance = jnp.where(met, distance, 0)
 
-    def there(kind: Primitive) -> tuple[jax.Array, Vector, Vector]:
+    def there(kind: Primitive) -> tuple[jax.Array, Vector]:
         point, direction = kind.local(ray)
         reached = touch(kind.shape, point, direction, distance)
-        normal = normalize(kind.shape.normal(along(point, direction, reached)))
-        normal = normal if kind.frame is None else kind.frame.outer_direction(normal)
-        return reached, along(ray.point, ray.direction, reached), normal
+        normal = kind.shape.normal(along(point, direction, reached))
+        return reached, normal if kind.frame is None else kind.frame.outer_direction(normal)
 
-    distance, point, normal = world.primitives.chosen(primitive, there)
-    return Hit(met, primitive, distance, point, normal)
+    distance, normal = world.primitives.chosen(primitive, there)
+    return Hit(met, primitive, distance, along(ray.point, ray.direction, distance), normalize(normal))
 
 
 def nearest(world: World, ray: SceneRay, wanted: jax.Array | None = None) -> tuple[jax.Array, jax.Array]:

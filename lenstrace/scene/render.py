@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import itertools
 import math
 import time
 import warnings
@@ -26,7 +25,7 @@ from lenstrace.scene.task import task_of
 
 # Pixels of a thread's share, of small pictures and of others: few sizes, for a program is compiled for each.
 SHARES = (1 << 7, 1 << 9, 1 << 11)
-# Pixels of a call; samples of a pixel in one call at most, and where nothing is said.
+# Pixels of a call; samples of each in it, of a picture of fewer pixels the more; and where nothing is said.
 BATCH, PASS = 1 << 15, 16
 # Pixels of a tile, where the nearest triangle is asked for by calling back.
 TILE = 1 << 14
@@ -117,7 +116,7 @@ def _work(
 ) -> Iterator[float]:
     """Take samples, a pass over all batches after the other; gives the noise of the last pass after each batch."""
     first, now = 0, math.inf
-    for number in _passes(limit):
+    for number in _passes(limit, PASS * BATCH // batch):
         for pixel in range(0, part.size, batch):
             sums = _run(task, pixel, batch, part, first, number)
             size = min(batch, part.size - pixel)
@@ -155,13 +154,11 @@ def _batch(pixels: int) -> int:
     return min(BATCH, -(-pixels // (2 * share)) * 2 * share)
 
 
-def _passes(limit: int | None) -> Iterator[int]:
-    """Samples of each pass: few at first, so that there is soon a picture and an error."""
+def _passes(limit: int | None, most: int) -> Iterator[int]:
+    """Samples of each pass, at first as many as there are: soon there is a picture and an error."""
     done = 0
-    for number in itertools.chain((1, 1, 2, 4, 8), itertools.repeat(PASS)):
-        number = number if limit is None else min(number, limit - done)
-        if number < 1:
-            return
+    while limit is None or done < limit:
+        number = min(max(done, 1), most, most if limit is None else limit - done)
         yield number
         done += number
 

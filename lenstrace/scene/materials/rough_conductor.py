@@ -76,5 +76,5 @@ def metal_reflectance(cosine: jax.Array, eta: jax.Array, k: jax.Array) -> jax.Ar
     across = (both + c2 - 2 * cosine * u) / (both + c2 + 2 * cosine * u)
     turn = 2 * cosine * u * s2
     level = c2 * both + s2 * s2
-    within = across * (level - turn) / (level + turn)
-    return (across + within) / 2
+    # the mean of R_s and R_p = R_s (level - turn) / (level + turn); a quotient, so that it is computed once
+    return across * level / (level + turn)
