@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 
 from lenstrace.compute.pytree import pytree
-from lenstrace.optics.vectors import Vector, divide_where, dot, normalize
+from lenstrace.optics.vectors import Vector, divide_where, dot, normalize, safe_sqrt
 from lenstrace.scene.colours import scaled
 from lenstrace.scene.frame import Frame
 from lenstrace.scene.lights.light import Lighting
@@ -35,14 +35,15 @@ class AreaLight:
         x, y, z = (a - b for a, b in zip(place, point, strict=True))
         square = dot((x, y, z), (x, y, z))
         apart = square > 0
-        inverse = jnp.where(apart, 1 / jnp.sqrt(jnp.where(apart, square, 1)), 0)
-        direction = x * inverse, y * inverse, z * inverse
+        length = safe_sqrt(square)
+        # quotients last, as in `divide_where`: what uses the direction does not find the point on the light again
+        direction = x / length, y / length, z / length
         cosine = -dot(direction, normal)
         # not over the density: a cosine that a compiler finds anew may be 0 in one place and more in the other
-        seen = jnp.maximum(cosine, 0) * self.shape.area() * inverse * inverse
+        seen = divide_where(apart, jnp.maximum(cosine, 0) * self.shape.area(), square)
         density = jnp.where(apart, self.density(square, cosine), 0)
         return Lighting(
-            *(direction, square * inverse, scaled(self.radiance, seen), density),
+            *(direction, jnp.where(apart, length, 0), scaled(self.radiance, seen), density),
             jnp.broadcast_to(self.number, square.shape),
         )
 
