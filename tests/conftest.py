@@ -15,6 +15,8 @@ if QUICKLY not in os.environ.get("XLA_FLAGS", ""):
 
 # nor need the compiler be told where each line stands, nor the collector look as often at what JAX makes
 os.environ.setdefault("JAX_TRACEBACK_IN_LOCATIONS_LIMIT", "0")
+# small systems of equations are solved by one thread: others would spin beside it, where the other worker computes
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 gc.set_threshold(100_000, 50, 100)
 
 import jax
