@@ -16,7 +16,7 @@
     material = "grey"
     position = [0, 0.5, 0]
     [[lights]]
-    kind = "point"
+    kind = "point_light"
     position = [2, 4, 3]
     intensity = [30, 30, 30]
 
@@ -37,9 +37,23 @@ from lenstrace.errors import SceneError
 from lenstrace.io.kinds import Kinds, fields_of, made, near, tupled, unknown
 from lenstrace.io.native import keys_in, read_with
 from lenstrace.io.scene_kinds import LIGHT_KINDS, MATERIAL_KINDS, TEXTURE_KINDS, camera_kinds, shape_kinds
+from lenstrace.scene.number_rules import Rule, not_negative, number, obeyed, size, whole
 from lenstrace.scene.objects import Object, Scene
 
 SECTIONS = ("name", "source", "camera", "render", "materials", "objects", "lights", "environment")
+
+
+def text(value: Any) -> str:
+    """Words."""
+    if not isinstance(value, str):
+        raise SceneError(f"must be text in quotes, got {value!r}")
+    return value
+
+
+SETTING_RULES: Mapping[str, Rule] = {
+    **{"size": size, "samples": whole, "depth": whole},
+    **{"threshold": not_negative, "exposure": number, "method": text, "sampler": text},
+}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -86,12 +100,18 @@ def scene_from_keys(keys: Mapping[str, Any], folder: str) -> Setup:
         [_object(f"objects {i}", entry, named, shapes) for i, entry in enumerate(_tables(keys, "objects"), 1)],
         [made(f"lights {i}", entry, LIGHT_KINDS, SceneError) for i, entry in enumerate(_tables(keys, "lights"), 1)],
         _environment(_table(keys, "environment"), folder) if "environment" in keys else None,
-        keys.get("name", ""),
+        obeyed("name", text, keys.get("name", "")),
     )
     if "camera" not in keys:
         raise SceneError("camera is missing; write [camera] with a kind, a position and a target")
     camera = made("camera", _table(keys, "camera"), camera_kinds(folder), SceneError)
-    return Setup(scene, camera, Settings(**fields_of("render", _table(keys, "render"), Settings, SceneError)))
+    return Setup(scene, camera, _settings(_table(keys, "render")))
+
+
+def _settings(entry: Mapping[str, Any]) -> Settings:
+    """Of [render], each of the type that is meant."""
+    given = fields_of("render", entry, Settings, SceneError)
+    return Settings(**{key: obeyed(f"render: {key}", SETTING_RULES[key], value) for key, value in given.items()})
 
 
 def _object(where: str, entry: Mapping[str, Any], named: Mapping[str, Any], shapes: Kinds) -> Object:
@@ -115,7 +135,7 @@ def _environment(entry: Mapping[str, Any], folder: str) -> Any:
         raise SceneError('environment: give radiance = [r, g, b] or map = "file.npy"')
     if "radiance" in entry:
         return tupled(entry["radiance"])
-    path = os.path.join(folder, entry["map"])
+    path = os.path.join(folder, obeyed("environment: map", text, entry["map"]))
     try:
         return np.load(path, allow_pickle=False)
     except (OSError, ValueError) as error:

@@ -23,8 +23,9 @@ from lenstrace.scene.materials.texture import Checker
 from lenstrace.scene.mesh import Mesh
 from lenstrace.scene.mesh_file import load_mesh
 from lenstrace.scene.mesh_formula import formula_mesh
+from lenstrace.scene.number_rules import not_negative, obeyed, positive, vector
 from lenstrace.scene.objects import Three
-from lenstrace.scene.rules import LIGHTS, MATERIALS, SHAPES, not_negative, obeyed, positive, vector
+from lenstrace.scene.rules import LIGHTS, MATERIALS, SHAPES
 from lenstrace.scene.surfaces import asphere, conic, implicit
 
 UP = (0.0, 1.0, 0.0)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import jax.numpy as jnp
@@ -12,14 +12,16 @@ from lenstrace.errors import LensTraceError, SceneError
 from lenstrace.scene.lights.delta import DistantLight, PointLight
 from lenstrace.scene.lights.environment import Environment, environment
 from lenstrace.scene.mesh import Mesh
+from lenstrace.scene.number_rules import colour, vector
 from lenstrace.scene.objects import Object, Scene
-from lenstrace.scene.rules import LIGHTS, MATERIALS, SHAPES, SHINING, checked, colour, vector
+from lenstrace.scene.rules import LIGHTS, MATERIALS, SHAPES, SHINING, checked
+from lenstrace.scene.search.boxes import boxes
 from lenstrace.scene.search.kind import Way
 from lenstrace.scene.searched import check_object, lights_of, primitives_of, searched
-from lenstrace.scene.stacks import stack
+from lenstrace.scene.stacks import Many, stack
 from lenstrace.scene.world import World
 
-# The radius of a scene, by which the power of light from far away is weighed against that of near ones.
+# The radius of a scene that has none: planes without an end, and lights without a place.
 RADIUS = 1.0
 
 
@@ -35,19 +37,24 @@ def world_of(scene: Scene, dtype: Any = np.float32, way: Way = Way.AUTO) -> Worl
     of_id = {id(raw.material): item.material for raw, item in zip(scene.objects, items, strict=True)}
     order = list(of_id)
     lights = [_said(f"light {i}", checked, light, LIGHTS) for i, light in enumerate(scene.lights, 1)]
-    powers = [_power(light) for light in lights]
-    primitives, materials, shining = [], [], []
+    primitives, materials, shining, powers = [], [], [], []
     # the triangles of all meshes follow each other
     for raw, item in sorted(zip(scene.objects, items, strict=True), key=lambda pair: isinstance(pair[1].shape, Mesh)):
         some = _said(item.name or "object", primitives_of, item, len(materials), dtype)
         primitives.append(some)
         materials += [order.index(id(raw.material))] * some.count
-        shining += [-1] * some.count if item.emission is None else range(len(powers), len(powers) + some.count)
+        of_lights = len(scene.lights) + len(powers)
+        shining += [-1] * some.count if item.emission is None else range(of_lights, of_lights + some.count)
         if item.emission is not None:
             lights.append(lights_of(some, item.emission))
-            powers += (np.pi * np.mean(item.emission) * np.asarray(some.things.shape.area(), float)).tolist()
+            area = np.asarray(some.things.shape.area(), float)
+            if not np.isfinite(area).all():
+                raise SceneError(f"{item.name or 'object'}: emission needs a shape with an end, got {item.shape}")
+            powers += (np.pi * np.mean(item.emission) * area).tolist()
     around = None if scene.environment is None else _said("environment", _around, scene.environment, dtype)
-    powers += [] if around is None else [_power_around(around)]
+    radius = _radius(primitives, scene.lights)
+    powers = [_power(light, radius) for light in lights[: len(scene.lights)]] + powers
+    powers += [] if around is None else [4 * np.pi**2 * radius**2 * float(np.mean(np.asarray(around.radiance)))]
     standing, searches = searched(stack(primitives, dtype), way)
     return World(
         standing,
@@ -109,14 +116,18 @@ def _cumulated(powers: list[float]) -> np.ndarray:
     return chosen
 
 
-def _power(light: Any) -> float:
+def _radius(primitives: list[Many], lights: Sequence[Any]) -> float:
+    """Half the diagonal of the box around all that has an end, by which light from far away is weighed against near."""
+    corners = [boxes(each.things.shape, each.things.frame) for each in primitives]
+    places = [np.asarray([light.position], float) for light in lights if isinstance(light, PointLight)]
+    ends = np.concatenate([np.zeros((0, 3)), *places, *(end for both in corners if both is not None for end in both)])
+    return 0.5 * float(np.linalg.norm(np.ptp(ends, axis=0))) if len(ends) > 1 else RADIUS
+
+
+def _power(light: Any, radius: float) -> float:
     """Of a light, its colours taken alike."""
     if isinstance(light, PointLight):
         return 4 * np.pi * float(np.mean(light.intensity))
     if isinstance(light, DistantLight):
-        return np.pi * RADIUS**2 * float(np.mean(light.irradiance))
+        return np.pi * radius**2 * float(np.mean(light.irradiance))
     raise TypeError(f"no light: {light!r}")
-
-
-def _power_around(around: Environment) -> float:
-    return 4 * np.pi**2 * RADIUS**2 * float(np.mean(np.asarray(around.radiance)))

@@ -11,7 +11,7 @@ from jax import lax
 
 from lenstrace.optics.shapes.shape import along, touch
 from lenstrace.optics.shapes.triangle import Triangle
-from lenstrace.optics.vectors import Vector, normalize
+from lenstrace.optics.vectors import Vector, dot, normalize
 from lenstrace.scene.rays import NOWHERE, SceneRay
 from lenstrace.scene.search import embree, walk
 from lenstrace.scene.search.embree import Embree
@@ -53,7 +53,10 @@ def intersect(world: World, ray: SceneRay, wanted: jax.Array | None = None) -> H
         return reached, normal if kind.frame is None else kind.frame.outer_direction(normal)
 
     distance, normal = world.primitives.chosen(primitive, there)
-    return Hit(met, primitive, distance, along(ray.point, ray.direction, distance), normalize(normal))
+    # where nothing is met, and where the shape has no normal, it is any one
+    sound = met & (dot(normal, normal) > 0)
+    x, y, z = (jnp.where(sound, each, other) for each, other in zip(normal, (0, 0, 1), strict=True))
+    return Hit(met, primitive, distance, along(ray.point, ray.direction, distance), normalize((x, y, z)))
 
 
 def nearest(world: World, ray: SceneRay, wanted: jax.Array | None = None) -> tuple[jax.Array, jax.Array]:

@@ -9,6 +9,7 @@ import jax.numpy as jnp
 
 from lenstrace.optics.vectors import Vector
 from lenstrace.scene.colours import Colour, scaled
+from lenstrace.scene.draws import Four
 from lenstrace.scene.lights.area import AreaLight
 from lenstrace.scene.lights.light import Lighting
 from lenstrace.scene.world import World
@@ -17,29 +18,29 @@ from lenstrace.scene.world import World
 FEW = 64
 
 
-def light_sample(world: World, point: Vector, u: jax.Array, v: jax.Array, w: jax.Array) -> Lighting:
+def light_sample(
+    world: World, point: Vector, u: jax.Array, v: jax.Array, w: jax.Array, moment: jax.Array | None
+) -> Lighting:
     """One direction of one light, both chosen: densities and radiances count the choice. u, v, w: in [0, 1)."""
     count = world.chosen.shape[0]
     if count == 1:
-        return _of_light(world, jnp.zeros(u.shape, jnp.int32), point, u, v, w)
+        return _of_light(world, jnp.zeros(u.shape, jnp.int32), point, u, v, w, moment)
     if count > FEW:
         number = jnp.searchsorted(world.chosen, w, side="right").astype(jnp.int32)
     else:
         number = jnp.sum((w[..., None] >= world.chosen), -1).astype(jnp.int32)
     number = jnp.clip(number, 0, count - 1)
     chance, before = _chance(world, number)
-    found = _of_light(world, number, point, u, v, (w - before) / chance)
+    found = _of_light(world, number, point, u, v, (w - before) / chance, moment)
     return found._replace(arriving=scaled(found.arriving, 1 / chance), density=found.density * chance)
 
 
-def lighting(
-    world: World, number: jax.Array, point: Vector, spread: tuple[jax.Array, jax.Array] | None = None
-) -> Lighting:
-    """Of one light. spread: two numbers in [0, 1) for a point of an area light; None: its middle, for all of it."""
+def lighting(world: World, number: jax.Array, point: Vector, spread: Four | None, moment: jax.Array | None) -> Lighting:
+    """Of one light. spread: numbers in [0, 1) for a point of an area light; None: its middle, for all of it."""
     middle = jnp.full_like(point[0], 0.5)
-    u, v = (middle, middle) if spread is None else spread
+    u, v = (middle, middle) if spread is None else spread[:2]
     assert world.lights is not None
-    return world.lights.chosen(jnp.broadcast_to(number, middle.shape), lambda light: light.toward(point, u, v))
+    return world.lights.chosen(jnp.broadcast_to(number, middle.shape), lambda light: light.toward(point, u, v, moment))
 
 
 def emitted(
@@ -83,12 +84,14 @@ def _chance(world: World, number: jax.Array) -> tuple[jax.Array, jax.Array]:
     return world.chosen[number] - before, before
 
 
-def _of_light(world: World, number: jax.Array, point: Vector, u: jax.Array, v: jax.Array, w: jax.Array) -> Lighting:
+def _of_light(
+    world: World, number: jax.Array, point: Vector, u: jax.Array, v: jax.Array, w: jax.Array, moment: jax.Array | None
+) -> Lighting:
     far = None if world.environment is None else world.environment.toward(point, u, v, w)
     if world.lights is None:
         assert far is not None
         return far
-    near = world.lights.chosen(number, lambda light: light.toward(point, u, v))
+    near = world.lights.chosen(number, lambda light: light.toward(point, u, v, moment))
     if far is None:
         return near
     last = number == world.chosen.shape[0] - 1

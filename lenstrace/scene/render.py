@@ -17,6 +17,8 @@ from lenstrace.compute.blocks import each
 from lenstrace.compute.tiles import each_tile
 from lenstrace.errors import AccuracyWarning, SceneError
 from lenstrace.scene.lanes import Sums, Task, samples_of
+from lenstrace.scene.number_rules import obeyed, positive, whole
+from lenstrace.scene.number_rules import size as size_rule
 from lenstrace.scene.objects import Scene
 from lenstrace.scene.picture import Picture
 from lenstrace.scene.search.kind import has_callback
@@ -31,6 +33,7 @@ BATCH, PASS = 1 << 15, 16
 TILE = 1 << 14
 SIZE = (256, 256)
 NO_LIGHT = "the scene has no light and is black: give it lights, an environment, or an object with emission"
+UNLIT = "{}: the environment is seen, but lights nothing: give the scene lights, or take distributed or path"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -69,7 +72,7 @@ def render(
     crop:       left, top, width, height: the part of the picture that is wanted, pixels; they are those of the whole.
     method:     "cast", "whitted", "distributed" or "path".
     samples:    of each pixel; 16, or as many as `seconds` and `noise` allow where one of them is given.
-    depth:      longest chain of rays from the eye; None: 128 for trees; for paths 16, and chance ends most before.
+    depth:      longest chain of rays from the eye; None: 128 for trees; paths are ended by chance.
     threshold:  share of the light below which a tree of rays ends; None: 1/255.
     key:        of the random numbers, a whole number or a key of `jax.random`; the same key gives the same picture.
     sampler:    "independent", whose standard error is true, or "sobol", which is less noisy than it says.
@@ -78,12 +81,19 @@ def render(
     progress:   called after every batch of pixels.
     Ctrl-C ends the work with the picture so far. SceneError for what cannot be rendered.
     """
-    _check(samples, seconds, noise)
+    size = obeyed("size", size_rule, size)
+    samples = None if samples is None else obeyed("samples", whole, samples)
+    for name, value in (("seconds", seconds), ("noise", noise)):
+        if value is not None:
+            obeyed(name, positive, value)
     limit = PASS if samples is None and seconds is None and noise is None else samples
     task = task_of(
         *(scene, camera, size), method=method, depth=depth, threshold=threshold, key=key, sampler=sampler, dtype=dtype
     )
-    notes = () if task.world.lights or task.world.environment else (NO_LIGHT,)
+    around = task.world.environment is not None
+    notes = () if task.world.lights or around else (NO_LIGHT,)
+    if around and not task.world.lights and method in ("cast", "whitted"):
+        notes = (UNLIT.format(method),)
     for note in notes:
         warnings.warn(note, AccuracyWarning, stacklevel=2)
     part = _part(size, crop)
@@ -170,11 +180,3 @@ def _progress(tally: Tally, noise: float, limit: int | None, seconds: float | No
     done = min(1.0, max(shares)) if shares else None
     left = spent * (1 - done) / done if done else None
     return Progress(done, samples, tally.rays / spent, noise, left)
-
-
-def _check(samples: int | None, seconds: float | None, noise: float | None) -> None:
-    if samples is not None and samples < 1:
-        raise SceneError(f"samples: at least 1 for each pixel, got {samples}")
-    for name, value in (("seconds", seconds), ("noise", noise)):
-        if value is not None and not value > 0:
-            raise SceneError(f"{name}: must be positive, got {value}")

@@ -17,11 +17,11 @@ from lenstrace.optics.shapes.conic_cap import ConicCap
 from lenstrace.optics.shapes.implicit import Implicit
 from lenstrace.scene.formula import formula
 from lenstrace.scene.formula_bounds import slopes_within
-from lenstrace.scene.rules import number, obeyed, positive
+from lenstrace.scene.number_rules import number, obeyed, positive
 
 AXES = ("x", "y", "z")
-# Places where the bounds that a person gives are tried, and by how much they may be short.
-TRIED, SHORT = 4096, 1e-4
+# Places where the bounds that a person gives are tried, by how much they may be short, and a short way, in reaches.
+TRIED, SHORT, NEAR = 4096, 1e-4, 1e-5
 
 
 def conic(radius: float, semi_diameter: float, conic: float = 0.0) -> ConicCap:
@@ -76,11 +76,13 @@ def implicit(
 
 
 def check_implicit(shape: Implicit) -> None:
-    """SceneError where the function is seen to be steeper than it is said to be: its surface would have holes."""
+    """SceneError where the function is seen to be steeper or more bent than it is said to be: the march along a ray
+    would step over its surface."""
     reach = float(shape.reach)
-    places = np.random.default_rng(0).uniform(-reach, reach, (3, TRIED))
+    places = np.random.default_rng(0).uniform(-1, 1, (3, TRIED)) * (reach * (1 - NEAR))
     numbers = [np.float64(number) for number in shape.numbers]
-    slopes = jax.vmap(jax.grad(lambda *place: shape.function(*place, *numbers), (0, 1, 2)))(*places)
+    gradient = jax.vmap(jax.grad(lambda *place: shape.function(*place, *numbers), (0, 1, 2)))
+    slopes = gradient(*places)
     length = np.sqrt(sum(np.asarray(slope) ** 2 for slope in slopes))
     worst = int(np.argmax(np.where(np.isnan(length), np.inf, length)))
     where = ", ".join(f"{each:.4g}" for each in places[:, worst])
@@ -90,6 +92,22 @@ def check_implicit(shape: Implicit) -> None:
         raise SceneError(
             f"steepness {float(shape.steepness):g} is too small: at ({where}) the gradient is {length[worst]:.4g} "
             "long; give a bound for all of the cube, or leave it out for a formula"
+        )
+    bending, step = float(shape.bending), reach * NEAR
+    if not np.isfinite(bending):
+        return
+    # the change of the slope along a short way is a second derivative somewhere on it
+    way = np.random.default_rng(1).normal(size=places.shape)
+    way /= np.linalg.norm(way, axis=0)
+    change = np.asarray(gradient(*(places + step * way))) - np.asarray(slopes)
+    rounding = 16 * np.finfo(float).eps * length
+    second = np.maximum(np.abs(np.sum(change * way, 0)) - rounding, 0) / step
+    worst = int(np.argmax(second))
+    if second[worst] > bending * (1 + SHORT):
+        where = ", ".join(f"{each:.4g}" for each in places[:, worst])
+        raise SceneError(
+            f"bending {bending:g} is too small: near ({where}) the second derivative is {second[worst]:.4g}; give a "
+            "bound for all of the cube, or leave it out"
         )
 
 

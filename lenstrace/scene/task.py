@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from typing import Any
 
 import jax
@@ -14,8 +15,11 @@ from lenstrace.scene.cameras.through_lens import LensCamera
 from lenstrace.scene.draws import Sampler
 from lenstrace.scene.lanes import Task
 from lenstrace.scene.methods.method import method_of
+from lenstrace.scene.number_rules import obeyed, whole
+from lenstrace.scene.number_rules import size as size_rule
 from lenstrace.scene.objects import Scene
-from lenstrace.scene.rules import CAMERAS, check_outside, checked
+from lenstrace.scene.outside import check_outside
+from lenstrace.scene.rules import CAMERAS, checked
 
 
 def task_of(
@@ -31,8 +35,8 @@ def task_of(
     dtype: Any = np.float32,
 ) -> Task:
     """The task of a picture, no samples yet; arguments as of `render`. SceneError for what cannot be rendered."""
-    if min(size) < 1:
-        raise SceneError(f"size: width and height must be at least 1 pixel, got {size[0]}x{size[1]}")
+    size = obeyed("size", size_rule, size)
+    depth = None if depth is None else obeyed("depth", whole, depth)
     if sampler not in [each.value for each in Sampler]:
         raise SceneError(f"sampler: unknown {sampler!r}; one of {', '.join(each.value for each in Sampler)}")
     world = world_of(scene, dtype)
@@ -48,7 +52,7 @@ def task_of(
 
 def _word(key: int | jax.Array) -> int:
     """32 bits of a key."""
-    if isinstance(key, int):
-        return key % 2**32
+    if not isinstance(key, jax.Array):
+        return operator.index(key) % 2**32
     words = np.asarray(jax.random.key_data(key), np.uint32).ravel()
     return int(np.bitwise_xor.reduce(words * np.arange(1, 2 * len(words), 2, dtype=np.uint32)))

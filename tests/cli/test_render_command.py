@@ -90,10 +90,10 @@ def test_ctrl_c_writes_the_picture_so_far(capsys, tmp_path, monkeypatch):
         ([BOX, "--size", "big"], "--size: width and height in pixels, such as 640x480; got 'big'"),
         ([BOX, "--crop", "64x48"], "--crop: size and place in pixels, such as 64x48+100+20; got '64x48'"),
         ([BOX, "--size", "16x16", "--crop", "9x9+8+0"], "must lie in the 16x16 pixels"),
-        ([BOX, "--spp", "0"], "samples: at least 1"),
+        ([BOX, "--spp", "0"], "samples must be a whole number, at least 1, got 0"),
         ([BOX, "-o", "box.bmp"], "suffix must be one of"),
         ([BOX, "-o", "/nowhere/box.png"], "not a folder"),
-        ([BOX, "--noise", "-1"], "noise: must be positive"),
+        ([BOX, "--noise", "-1"], "noise must be positive, got -1"),
     ],
 )
 def test_mistakes_are_one_line_and_status_2(capsys, words, says):

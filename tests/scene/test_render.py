@@ -188,7 +188,7 @@ def test_what_cannot_be_rendered_is_refused(more, words):
 def test_a_camera_in_a_solid_is_refused():
     with pytest.raises(SceneError, match="inside object 2"):
         render(BALL, Pinhole(View((0.0, 0.5, 0.0), (0.0, 0.5, 3.0)), 30.0), size=(8, 8), samples=1)
-    with pytest.raises(SceneError, match="Pinhole: field_of_view must be positive"):
+    with pytest.raises(SceneError, match="Pinhole: field_of_view must be between 0 and 180 degrees"):
         render(BALL, Pinhole(VIEW, -3.0), size=(8, 8), samples=1)
 
 

@@ -212,11 +212,7 @@ def _check(position: Any, target: Any, up: Any, film: Any, unit_mm: Any, aspect:
             raise CameraError(f"{name} must be positive, got {value}")
     if aspect < 1:
         raise CameraError(f"aspect is the longer side over the shorter one, at least 1, got {aspect}")
-    axis = np.subtract(target, position)
-    if not np.isfinite(axis).all() or not axis.any():
-        raise CameraError(f"target must be another point than position, got {target}")
-    if not np.cross(axis, up).any():
-        raise CameraError(f"up must not point along the axis, got {up}")
+    View(position, target, up).require_axes()
 
 
 def _check_film(lens: Lens) -> None:

@@ -6,8 +6,10 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 from lenstrace.compute.pytree import pytree
+from lenstrace.errors import CameraError
 from lenstrace.optics.turns import cos_sin
 from lenstrace.optics.vectors import Vector, normalize
 
@@ -37,6 +39,14 @@ class View:
         forward = normalize(_difference(self.target, self.position))
         right = normalize(_cross(forward, self.up))
         return right, _cross(right, forward), forward
+
+    def require_axes(self) -> None:
+        """CameraError where position, target and up do not say where the picture's axes are."""
+        axis = np.subtract(self.target, self.position)
+        if not np.isfinite(axis).all() or not axis.any():
+            raise CameraError(f"target must be another point than position, got {self.target}")
+        if not np.cross(axis, self.up).any():
+            raise CameraError(f"up must not point along the axis, got {self.up}")
 
     def outer(self, local: Vector) -> Vector:
         """A direction (right, up, forward) in the scene."""

@@ -23,15 +23,15 @@ class AreaLight:
     radiance: Any
     number: Any
 
-    def toward(self, point: Vector, u: jax.Array, v: jax.Array) -> Lighting:
-        """From a point of the shape, chosen evenly by its area with u and v in [0, 1).
+    def toward(self, point: Vector, u: jax.Array, v: jax.Array, moment: jax.Array | None) -> Lighting:
+        """From a point of the shape at a moment, chosen evenly by its area with u and v in [0, 1).
 
         Per solid angle the density is r^2 / (cos A), r the distance, A the area, cos at the light.
         """
         place = self.shape.place(u, v)
         normal = normalize(self.shape.normal(place))
         if self.frame is not None:
-            place, normal = self.frame.outer_point(place, None), self.frame.outer_direction(normal)
+            place, normal = self.frame.outer_point(place, moment), self.frame.outer_direction(normal)
         x, y, z = (a - b for a, b in zip(place, point, strict=True))
         square = dot((x, y, z), (x, y, z))
         apart = square > 0

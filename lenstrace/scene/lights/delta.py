@@ -19,9 +19,9 @@ class PointLight:
     position: Vector
     intensity: Colour
 
-    def toward(self, point: Vector, u: jax.Array, v: jax.Array) -> Lighting:
-        """At a point: intensity over the squared distance; u and v make no difference."""
-        del u, v
+    def toward(self, point: Vector, u: jax.Array, v: jax.Array, moment: jax.Array | None) -> Lighting:
+        """At a point: intensity over the squared distance; the rest makes no difference."""
+        del u, v, moment
         away = tuple(a - b for a, b in zip(self.position, point, strict=True))
         square = dot(away, away)  # type: ignore[arg-type]
         square = jnp.where(square > 0, square, 1)
@@ -38,9 +38,9 @@ class DistantLight:
     direction: Vector
     irradiance: Colour
 
-    def toward(self, point: Vector, u: jax.Array, v: jax.Array) -> Lighting:
-        """The same at every point; u and v make no difference."""
-        del u, v
+    def toward(self, point: Vector, u: jax.Array, v: jax.Array, moment: jax.Array | None) -> Lighting:
+        """The same at every point; the rest makes no difference."""
+        del u, v, moment
         x, y, z = (-a + jnp.zeros_like(point[0]) for a in normalize(self.direction))
         far = jnp.full_like(x, jnp.inf)
         return Lighting((x, y, z), far, scaled(self.irradiance, jnp.ones_like(x)), far, nowhere(x))

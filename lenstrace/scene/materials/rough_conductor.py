@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 
 from lenstrace.compute.pytree import pytree
-from lenstrace.optics.vectors import Vector, dot, normalize
+from lenstrace.optics.vectors import Vector, divide_where, dot, normalize, root_or_zero
 from lenstrace.scene.colours import Colour, scaled
 from lenstrace.scene.materials.material import Branch, Place, Scattering, mirrored, no_branches
 from lenstrace.scene.materials.microfacets import distribution, reflected, unshadowed, visible_normal
@@ -71,10 +71,13 @@ def metal_reflectance(cosine: jax.Array, eta: jax.Array, k: jax.Array) -> jax.Ar
     c2 = cosine * cosine
     s2 = 1 - c2
     difference = eta * eta - k * k - s2
-    both = jnp.sqrt(difference * difference + 4 * eta * eta * k * k)
-    u = jnp.sqrt(jnp.maximum((both + difference) / 2, 0))
-    across = (both + c2 - 2 * cosine * u) / (both + c2 + 2 * cosine * u)
+    both = root_or_zero(difference * difference + 4 * eta * eta * k * k)
+    larger = root_or_zero((both + jnp.abs(difference)) / 2)
+    # of u and v, u v = eta k, the larger one has no digits cancelled
+    u = jnp.where(difference > 0, larger, divide_where(larger > 0, eta * k, larger))
+    most = both + c2 + 2 * cosine * u
+    across = divide_where(most > 0, both + c2 - 2 * cosine * u, most)
     turn = 2 * cosine * u * s2
     level = c2 * both + s2 * s2
     # the mean of R_s and R_p = R_s (level - turn) / (level + turn); a quotient, so that it is computed once
-    return across * level / (level + turn)
+    return divide_where(level + turn > 0, across * level, level + turn)

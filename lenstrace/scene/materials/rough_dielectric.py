@@ -63,7 +63,10 @@ class RoughDielectric:
             share * divide_where(cosine > 0, jnp.ones_like(cosine), 4 * cosine),
             (1 - share) * divide_where(turned != 0, there * there * jnp.abs(sight), turned * turned),
         )
-        return incoming, (weight, weight, weight), jnp.where(kept, seen * spread, 0)  # type: ignore[return-value]
+        density = jnp.where(kept, seen * spread, 0)
+        # between equal indices every small surface lets the ray go straight on: there is no other way
+        density = jnp.where(kept & ~back & (here == there), jnp.inf, density)
+        return incoming, (weight, weight, weight), density  # type: ignore[return-value]
 
     def evaluate(self, place: Place, outgoing: Vector, incoming: Vector) -> tuple[Colour, jax.Array]:
         """f |cos| and the density of `sample`."""

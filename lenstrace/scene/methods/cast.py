@@ -23,5 +23,5 @@ class Cast:
     def radiance(self, world: World, ray: SceneRay, draws: Draws) -> tuple[Colour, jax.Array]:
         """Along rays, and how many rays were traced for each."""
         del draws
-        seen = look(world, ray, jnp.ones(ray.start.shape, bool), None)
+        seen = look(world, ray, jnp.ones(ray.start.shape, bool), None, False)
         return seen.radiance, seen.rays

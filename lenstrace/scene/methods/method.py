@@ -12,14 +12,12 @@ from lenstrace.scene.methods.path import Path
 from lenstrace.scene.methods.tree import THRESHOLD, Tree, levels_for
 
 METHODS = ("cast", "whitted", "distributed", "path")
-# Segments of a path, and of a tree of rays: the threshold ends nearly all of them before.
-PATH_DEPTH, TREE_DEPTH = 16, 128
+# Segments of a path that only chance ends, which it does long before; of a tree of rays, where the threshold does.
+PATH_DEPTH, TREE_DEPTH = 1 << 14, 128
 
 
 def method_of(name: str, depth: int | None, threshold: float | None, dtype: Any) -> Any:
     """A method by its name. depth, threshold: None for what is usual. SceneError for one that does not exist."""
-    if depth is not None and depth < 1:
-        raise SceneError(f"depth: must be at least 1, the ray from the eye, got {depth}")
     if threshold is not None and not 0 <= threshold < 1:
         raise SceneError(f"threshold: a share of the light, 0 to below 1, got {threshold}")
     match name:

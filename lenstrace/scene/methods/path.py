@@ -32,7 +32,8 @@ SURVIVAL = 0.95  # the largest chance to go on, also of a walk that loses nothin
 
 class _Walk(NamedTuple):
     """ray; weight: of the radiance it will find; radiance: found so far; alive: whether it goes on; density: with which
-    its direction was chosen; rays: how many were traced."""
+    its direction was chosen; rays: how many were traced; medium: n^2 where the ray is over n^2 at the eye, by which
+    its weight is less though no light is lost, None where nothing refracts."""
 
     ray: SceneRay
     weight: Colour
@@ -40,6 +41,7 @@ class _Walk(NamedTuple):
     alive: jax.Array
     density: jax.Array
     rays: jax.Array
+    medium: jax.Array | None
 
 
 @pytree
@@ -54,7 +56,9 @@ class Path:
         one = jnp.ones_like(ray.point[0])
         black = 0 * one, 0 * one, 0 * one
         here, none = jnp.ones(one.shape, bool), jnp.zeros(one.shape, jnp.int32)
-        begin = _Walk(ray, (one, one, one), black, here, jnp.full_like(one, jnp.inf), none)
+        begin = _Walk(
+            ray, (one, one, one), black, here, jnp.full_like(one, jnp.inf), none, one if world.refracts else None
+        )
 
         def goes_on(state: tuple[_Walk, jax.Array]) -> jax.Array:
             walk, segment = state
@@ -90,18 +94,23 @@ def _segment(world: World, walk: _Walk, further: jax.Array, chance: jax.Array, f
         radiance, rays = plus(radiance, times(walk.weight, lit)), rays + asked.astype(jnp.int32)
     way = scatter(world, surface, *for_way[:3])
     weight = times(walk.weight, way.weight)
-    survival = jnp.where(chance, jnp.minimum(largest(weight), SURVIVAL), 1)
+    lost, medium = largest(weight), walk.medium
+    if medium is not None:
+        through = (dot(way.direction, surface.normal) < 0) & (largest(way.weight) > 0)
+        medium = medium / jnp.where(through, largest(way.weight), 1)
+        lost = lost * medium
+    survival = jnp.where(chance, jnp.minimum(lost, SURVIVAL), 1)
     alive = met & further & (largest(weight) > 0) & (for_way[3] < survival)
     weight = scaled(weight, 1 / jnp.where(survival > 0, survival, 1))
     ray = walk.ray.onward(hit.point, way.direction, hit.primitive)
-    return _Walk(ray, weight, radiance, alive, way.density, rays)
+    return _Walk(ray, weight, radiance, alive, way.density, rays, medium)
 
 
 def _direct(
     world: World, ray: SceneRay, hit: Hit, surface: Surface, wanted: jax.Array, for_light: Four
 ) -> tuple[Colour, jax.Array]:
     """Light of one light, and whether a ray was traced for it."""
-    light = light_sample(world, hit.point, *for_light[:3])
+    light = light_sample(world, hit.point, *for_light[:3], ray.moment)
     value, density = scattered(world, surface, light.direction)
     brought = times(value, light.arriving)
     asked = wanted & (largest(brought) > 0)

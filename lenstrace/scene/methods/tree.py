@@ -86,7 +86,7 @@ def _visit(world: World, walk: _Walk, draws: Draws, purpose: jax.Array, settings
     """Trace the ray of a node, add what it sees, and go on to the next."""
     node, alive = walk.node, walk.alive
     dtype = node.ray.point[0].dtype
-    seen = look(world, node.ray, alive, draws.four(purpose + LIGHT, dtype)[:2] if settings.spread else None)
+    seen = look(world, node.ray, alive, draws.four(purpose + LIGHT, dtype) if settings.spread else None, True)
     hit, surface = seen.hit, seen.surface
     radiance = plus(walk.radiance, times(node.weight, seen.radiance))
     walk = walk._replace(radiance=radiance, rays=walk.rays + seen.rays)

@@ -7,12 +7,13 @@ from typing import Any
 import numpy as np
 
 from lenstrace.scene.frame import Frame
+from lenstrace.scene.stacks import own_first
 
 
 def boxes(shape: Any, frame: Frame | None) -> tuple[np.ndarray, np.ndarray] | None:
     """Corners (K, 3) of the boxes around K stacked shapes of one kind where they stand, all the time that the shutter
     is open; None where one of them has no bounds."""
-    low, high = (_rows(corner) for corner in shape.bounds())
+    low, high = (_rows(corner) for corner in own_first(shape).bounds())
     if not (np.isfinite(low).all() and np.isfinite(high).all()):
         return None
     if frame is None:
