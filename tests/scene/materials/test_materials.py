@@ -30,6 +30,8 @@ SPREADING = {
 }
 SHARP = {"mirror": Mirror((0.9, 0.8, 0.7)), "glass": Dielectric(GLASS)}
 ALL = SPREADING | SHARP
+# Only glass is another thing from inside.
+SIDES = [(name, outside) for name in ALL for outside in (True, False) if outside or "glass" in name]
 COUNT, FEW = 1_000_000, 100_000
 COSINES = (1.0, 0.7, 0.15)
 
@@ -61,7 +63,7 @@ def evaluated(material, outgoing, incoming, outside=True):
     return material.evaluate(place(incoming[0], outside), outgoing, incoming)
 
 
-ROWS, COLUMNS, INSIDE = 24, 48, 60
+ROWS, COLUMNS = 24, 48
 
 
 def cells(incoming):
@@ -74,7 +76,9 @@ def cells(incoming):
 
 def expected(material, outgoing, outside):
     """Density integrated over each cell, by a finer grid within it; Gauss-Legendre in height and angle."""
-    nodes, weights = np.polynomial.legendre.leggauss(INSIDE)
+    # the light that glass lets through ends sharply at an angle
+    inside = 60 if isinstance(material, RoughDielectric) else 24
+    nodes, weights = np.polynomial.legendre.leggauss(inside)
     fine = (np.arange(ROWS)[:, None] + (nodes + 1) / 2).ravel()
     z = 1 - 2 * fine / ROWS
     turn = 2 * np.pi * (np.arange(COLUMNS)[:, None] + (nodes + 1) / 2).ravel() / COLUMNS
@@ -82,13 +86,15 @@ def expected(material, outgoing, outside):
     r = np.sqrt(1 - z * z)
     incoming = tuple(jnp.asarray(a.ravel()) for a in (r * np.cos(turn), r * np.sin(turn), z))
     _, density = evaluated(material, outgoing, incoming, outside)
-    density = np.asarray(density).reshape(ROWS, INSIDE, COLUMNS, INSIDE)
+    density = np.asarray(density).reshape(ROWS, inside, COLUMNS, inside)
     return np.einsum("ricj,i,j->rc", density, weights, weights).ravel() / 4 * (4 * np.pi / (ROWS * COLUMNS))
 
 
-@pytest.mark.parametrize("outside", [True, False])
 @pytest.mark.parametrize("cosine", COSINES)
-@pytest.mark.parametrize("name", [name for name in SPREADING if name != "gold .05" and name != "ground glass .1"])
+@pytest.mark.parametrize(
+    ("name", "outside"),
+    [each for each in SIDES if each[0] in SPREADING and each[0] not in ("gold .05", "ground glass .1")],
+)
 def test_directions_are_chosen_with_the_density_that_is_told(name, cosine, outside):
     """Chi-square over cells of the sphere, 1e6 samples; cells expected to hold fewer than 5 are pooled."""
     material, outgoing = numbers(SPREADING[name]), toward(cosine)
@@ -106,8 +112,7 @@ def test_directions_are_chosen_with_the_density_that_is_told(name, cosine, outsi
 
 
 @pytest.mark.parametrize("dtype", [jnp.float32, jnp.float64])
-@pytest.mark.parametrize("outside", [True, False])
-@pytest.mark.parametrize("name", SPREADING)
+@pytest.mark.parametrize(("name", "outside"), [each for each in SIDES if each[0] in SPREADING])
 def test_weight_is_scattering_over_density(name, outside, dtype):
     material, outgoing = numbers(SPREADING[name], dtype), toward(0.6, dtype=dtype)
     incoming, weight, density = sampled(material, outgoing, 5, count=10_000, dtype=dtype, outside=outside)
@@ -129,9 +134,8 @@ def flux(material, cosine, outside, dtype=jnp.float64):
     return np.array([[np.mean(each), np.std(each) / np.sqrt(FEW)] for each in counted]).T
 
 
-@pytest.mark.parametrize("outside", [True, False])
 @pytest.mark.parametrize("cosine", [*COSINES, 1e-4])
-@pytest.mark.parametrize("name", ALL)
+@pytest.mark.parametrize(("name", "outside"), SIDES)
 def test_no_material_makes_light(name, cosine, outside):
     mean, error = flux(numbers(ALL[name]), cosine, outside)
     assert np.all(np.isfinite(mean))
