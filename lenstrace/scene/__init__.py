@@ -33,6 +33,7 @@ from lenstrace.scene.mesh_file import load_mesh
 from lenstrace.scene.mesh_formula import Parametric, formula_mesh
 from lenstrace.scene.objects import Object, Scene
 from lenstrace.scene.picture import Picture
+from lenstrace.scene.pixels import radiance
 from lenstrace.scene.render import Progress, render
 from lenstrace.scene.surfaces import asphere, conic, implicit
 
@@ -76,5 +77,6 @@ __all__ = [
     "implicit",
     "lens_camera",
     "load_mesh",
+    "radiance",
     "render",
 ]

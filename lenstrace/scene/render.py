@@ -15,12 +15,13 @@ import numpy as np
 
 from lenstrace.compute.blocks import each
 from lenstrace.compute.tiles import each_tile
-from lenstrace.errors import AccuracyWarning, SceneError
+from lenstrace.errors import AccuracyWarning
 from lenstrace.scene.lanes import Sums, Task, samples_of
 from lenstrace.scene.number_rules import obeyed, positive, whole
 from lenstrace.scene.number_rules import size as size_rule
 from lenstrace.scene.objects import Scene
 from lenstrace.scene.picture import Picture
+from lenstrace.scene.pixels import part_of
 from lenstrace.scene.search.kind import has_callback
 from lenstrace.scene.tally import Tally
 from lenstrace.scene.task import task_of
@@ -96,7 +97,7 @@ def render(
         notes = (UNLIT.format(method),)
     for note in notes:
         warnings.warn(note, AccuracyWarning, stacklevel=2)
-    part = _part(size, crop)
+    part = part_of(size, crop)
     batch = _batch(part.size)
     tally = Tally(part.size, dtype)
     begin = time.perf_counter()
@@ -137,15 +138,6 @@ def _work(
         first, now = first + number, tally.noise()
         if noise is not None and now <= noise:
             return
-
-
-def _part(size: tuple[int, int], crop: tuple[int, int, int, int] | None) -> np.ndarray:
-    """Numbers of the pixels that are wanted, (rows, columns), row after row from the upper left corner of the whole."""
-    left, top, width, height = crop or (0, 0, *size)
-    if min(left, top) < 0 or min(width, height) < 1 or left + width > size[0] or top + height > size[1]:
-        raise SceneError(f"crop: left, top, width, height must lie in the {size[0]}x{size[1]} pixels, got {crop}")
-    rows, columns = np.arange(top, top + height, dtype=np.uint32), np.arange(left, left + width, dtype=np.uint32)
-    return rows[:, None] * np.uint32(size[0]) + columns
 
 
 def _run(task: Task, pixel: int, batch: int, part: np.ndarray, first: int, number: int) -> Sums:

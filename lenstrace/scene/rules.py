@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from lenstrace.compute.pytree import is_traced
 from lenstrace.errors import SceneError
 from lenstrace.optics.glasses import glass
 from lenstrace.optics.shapes.asphere import Asphere
@@ -160,14 +161,15 @@ TOGETHER: Mapping[type, Callable[[Any], None]] = {Disk: _ring, Torus: _tube, Thi
 def checked(thing: Any, of: tuple[type, ...] = ()) -> Any:
     """The thing with its numbers checked, and made those of a program. SceneError: which number, what it must be.
 
-    of: the kinds that are meant here, where only some are.
+    of: the kinds that are meant here, where only some are. Numbers that JAX traces have no value that could be checked.
     """
     kinds = of or tuple(RULES)
     if type(thing) not in kinds or type(thing) not in RULES:
         raise SceneError(f"must be one of {', '.join(kind.__name__ for kind in kinds)}; got {thing!r}")
     kind = type(thing).__name__
-    made = {name: obeyed(f"{kind}: {name}", rule, getattr(thing, name)) for name, rule in RULES[type(thing)].items()}
+    known = {name: rule for name, rule in RULES[type(thing)].items() if not is_traced(getattr(thing, name))}
+    made = {name: obeyed(f"{kind}: {name}", rule, getattr(thing, name)) for name, rule in known.items()}
     thing = dataclasses.replace(thing, **made)
-    if type(thing) in TOGETHER:
+    if type(thing) in TOGETHER and not is_traced(thing):
         TOGETHER[type(thing)](thing)
     return thing

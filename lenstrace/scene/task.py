@@ -9,6 +9,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from lenstrace.compute.pytree import is_traced
 from lenstrace.errors import SceneError
 from lenstrace.scene.build import world_of
 from lenstrace.scene.cameras.through_lens import LensCamera
@@ -39,10 +40,13 @@ def task_of(
     depth = None if depth is None else obeyed("depth", whole, depth)
     if sampler not in [each.value for each in Sampler]:
         raise SceneError(f"sampler: unknown {sampler!r}; one of {', '.join(each.value for each in Sampler)}")
-    world = world_of(scene, dtype)
+    # of plain numbers, also where JAX traces those of the camera
+    with jax.ensure_compile_time_eval():
+        world = world_of(scene, dtype)
     eye = jax.tree.map(lambda a: jnp.asarray(a, dtype), checked(camera, CAMERAS))
-    check_outside(camera.view.position, scene)
-    if isinstance(camera, LensCamera):
+    if not is_traced(camera.view.position):
+        check_outside(camera.view.position, scene)
+    if isinstance(camera, LensCamera) and not is_traced((camera.half_film, camera.bound.reach)):
         camera.require_covers(*size)
     how = method_of(method, depth, threshold, dtype)
     width, height, word = (jnp.asarray(number, jnp.uint32) for number in (*size, _word(key)))
