@@ -85,13 +85,6 @@ def dispersions_of(media: Sequence[Medium]) -> Dispersion:
     return jax.tree.map(lambda *each: jnp.stack(each) if is_traced(each) else np.stack(each), *found)
 
 
-def fit_error(medium: Medium, dispersion: Dispersion, steps: int = 401) -> float:
-    """The largest difference of index, in steps over the part of RANGE_UM where the medium is known."""
-    known = _known_at(medium)
-    um = np.array(known) if isinstance(medium, Table | Sampled) else np.linspace(min(known), max(known), steps)
-    return float(max(abs(dispersion.index(np.asarray(each)) - medium.index(each)) for each in um))
-
-
 def _known_at(medium: Any) -> list[float]:
     """The wavelengths of which a fit is made, micrometres."""
     low, high = RANGE_UM

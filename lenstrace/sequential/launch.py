@@ -9,7 +9,7 @@ import jax
 import jax.numpy as jnp
 
 from lenstrace.optics.rays import Ray, RayStatus, failure_code, living
-from lenstrace.optics.vectors import Vector, dot, normalize
+from lenstrace.optics.vectors import Vector, dot, minus, normalize
 from lenstrace.sequential import paraxial
 from lenstrace.sequential.aiming import aim
 from lenstrace.sequential.system import Light, System
@@ -99,9 +99,9 @@ def path_before(front: Front, light: Light, field: tuple[jax.Array, jax.Array], 
     if front.system.object_distance is None:
         return light.index[0] * dot((ray.l, ray.m, ray.n), at)
     start = object_point(front, field)
-    apart = _minus(at, start)
+    apart = minus(at, start)
     both = jnp.sqrt(dot(apart, apart)) + jnp.sqrt(dot(start, start))
-    return light.index[0] * dot(at, _minus(apart, start)) / both
+    return light.index[0] * dot(at, minus(apart, start)) / both
 
 
 def object_point(front: Front, field: tuple[jax.Array, jax.Array]) -> Vector:
@@ -143,7 +143,7 @@ def _through(front: Front, field: tuple[jax.Array, jax.Array], pupil: tuple[jax.
     if system.object_distance is None:
         return _ray(target, field_direction(front, field))
     start = object_point(front, field)
-    towards = _forward(normalize(_minus(target, start)))
+    towards = _forward(normalize(minus(target, start)))
     # from the end of the line that is nearer to the first vertex: from the other one digits would be lost
     nearer = jnp.abs(start[2]) < jnp.abs(target[2])
     if system.aperture_kind != "object_na":
@@ -161,7 +161,7 @@ def _shifted(front: Front, field: tuple[jax.Array, jax.Array], shift: tuple[jax.
         return _ray(_in_plane(direction, shift), direction)
     start = object_point(front, field)
     point = _in_plane(normalize((-start[0], -start[1], -start[2])), shift)
-    return _ray(point, normalize(_minus(point, start)))
+    return _ray(point, normalize(minus(point, start)))
 
 
 def _shift_of(front: Front, field: tuple[jax.Array, jax.Array], ray: Ray) -> tuple[jax.Array, jax.Array]:
@@ -210,10 +210,6 @@ def _plane_axes(axis: Vector) -> tuple[Vector, Vector]:
     l, m, n = axis
     mixed = -l * m / (1 + n)
     return (1 - l * l / (1 + n), mixed, -l), (mixed, 1 - m * m / (1 + n), -m)
-
-
-def _minus(a: Vector, b: Vector) -> Vector:
-    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
 def _forward(a: Vector) -> Vector:

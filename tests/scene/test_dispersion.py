@@ -9,7 +9,7 @@ import lenstrace
 from lenstrace import WavelengthError
 from lenstrace.optics.made_media import Melt, Sampled
 from lenstrace.optics.media import AIR, AbbeModel, Constant, Table
-from lenstrace.scene.dispersion import RANGE_UM, dispersion_of, dispersions_of, fit_error
+from lenstrace.scene.dispersion import RANGE_UM, dispersion_of, dispersions_of
 
 UM = np.linspace(*RANGE_UM, 257)
 
@@ -19,7 +19,6 @@ def test_catalogue_glass_is_met_to_a_millionth(name: str) -> None:
     medium = lenstrace.glass(name)
     fit = dispersion_of(medium)
     assert np.abs(fit.index(UM) - medium.index(UM)).max() < 1e-6
-    assert fit_error(medium, fit) < 1e-6
     single = jax.tree.map(lambda a: jnp.asarray(a, jnp.float32), fit)
     assert np.abs(np.asarray(single.index(jnp.asarray(UM, jnp.float32)), float) - medium.index(UM)).max() < 1.2e-6
 

@@ -11,7 +11,7 @@ import numpy as np
 from lenstrace.compute.pytree import pytree
 from lenstrace.errors import CameraError
 from lenstrace.optics.turns import cos_sin
-from lenstrace.optics.vectors import Vector, normalize
+from lenstrace.optics.vectors import Vector, cross, minus, normalize
 
 
 class CameraRay(NamedTuple):
@@ -36,9 +36,9 @@ class View:
     @property
     def axes(self) -> tuple[Vector, Vector, Vector]:
         """Unit vectors: right and up in the picture, and forward."""
-        forward = normalize(_difference(self.target, self.position))
-        right = normalize(_cross(forward, self.up))
-        return right, _cross(right, forward), forward
+        forward = normalize(minus(self.target, self.position))
+        right = normalize(cross(forward, self.up))
+        return right, cross(right, forward), forward
 
     def require_axes(self) -> None:
         """CameraError where position, target and up do not say where the picture's axes are."""
@@ -72,11 +72,3 @@ def on_disk(u: jax.Array, v: jax.Array) -> tuple[jax.Array, jax.Array]:
     cos, sin = cos_sin(turn)
     along, across = radius * cos, radius * sin
     return jnp.where(wide, along, across), jnp.where(wide, across, along)
-
-
-def _difference(a: Vector, b: Vector) -> Vector:
-    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
-
-
-def _cross(a: Vector, b: Vector) -> Vector:
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]

@@ -27,7 +27,7 @@ def distribution(roughness: jax.Array, normal: Vector) -> jax.Array:
     return jnp.where(z > 0, square / (jnp.pi * spread * spread), 0)
 
 
-def unshadowed(roughness: jax.Array, direction: Vector) -> jax.Array:
+def masking(roughness: jax.Array, direction: Vector) -> jax.Array:
     """G1: what part of the surface is seen from a direction of either side, 0 to 1."""
     z = jnp.abs(direction[2])
     square = roughness * roughness

@@ -11,7 +11,7 @@ from lenstrace.compute.pytree import pytree
 from lenstrace.optics.vectors import Vector, divide_where, dot, normalize, root_or_zero
 from lenstrace.scene.colours import Colour, scaled
 from lenstrace.scene.materials.material import Branch, Place, Scattering, mirrored, no_branches
-from lenstrace.scene.materials.microfacets import distribution, reflected, unshadowed, visible_normal
+from lenstrace.scene.materials.microfacets import distribution, masking, reflected, visible_normal
 
 
 @pytree
@@ -33,7 +33,7 @@ class RoughConductor:
         normal = visible_normal(self.roughness, outgoing, u, v)
         cosine = dot(outgoing, normal)
         incoming = reflected(outgoing, normal, cosine)
-        seen, lit = unshadowed(self.roughness, outgoing), unshadowed(self.roughness, incoming)
+        seen, lit = masking(self.roughness, outgoing), masking(self.roughness, incoming)
         above = incoming[2] > 0
         weight = scaled(self._reflectance(cosine), jnp.where(above, lit, 0))
         density = seen * distribution(self.roughness, normal) / (4 * outgoing[2])
@@ -45,9 +45,9 @@ class RoughConductor:
         above = incoming[2] > 0
         x, y, z = outgoing[0] + incoming[0], outgoing[1] + incoming[1], outgoing[2] + jnp.maximum(incoming[2], 0)
         normal = normalize((x, y, z))
-        density = unshadowed(self.roughness, outgoing) * distribution(self.roughness, normal) / (4 * outgoing[2])
+        density = masking(self.roughness, outgoing) * distribution(self.roughness, normal) / (4 * outgoing[2])
         density = jnp.where(above, density, 0)
-        value = scaled(self._reflectance(dot(outgoing, normal)), density * unshadowed(self.roughness, incoming))
+        value = scaled(self._reflectance(dot(outgoing, normal)), density * masking(self.roughness, incoming))
         return value, density
 
     def branches(self, place: Place, outgoing: Vector, gloss: Any) -> tuple[Branch, Branch]:

@@ -22,7 +22,7 @@ from lenstrace.scene.colours import Colour
 from lenstrace.scene.materials.dielectric import Dielectric
 from lenstrace.scene.materials.index import FlatIndex, disperses
 from lenstrace.scene.materials.material import Branch, Place, Scattering
-from lenstrace.scene.materials.microfacets import distribution, reflected, unshadowed, visible_normal
+from lenstrace.scene.materials.microfacets import distribution, masking, reflected, visible_normal
 
 
 @pytree
@@ -53,9 +53,9 @@ class RoughDielectric:
             )
         )
         kept = back == (incoming[2] > 0)
-        weight = unshadowed(self.roughness, incoming) * jnp.where(back, 1, (here / there) ** 2)  # type: ignore[arg-type]
+        weight = masking(self.roughness, incoming) * jnp.where(back, 1, (here / there) ** 2)  # type: ignore[arg-type]
         weight = jnp.where(kept, weight, 0)
-        seen = unshadowed(self.roughness, outgoing) * cosine * distribution(self.roughness, normal) / outgoing[2]
+        seen = masking(self.roughness, outgoing) * cosine * distribution(self.roughness, normal) / outgoing[2]
         sight = dot(incoming, normal)  # type: ignore[arg-type]
         turned = here * cosine + there * sight
         spread = jnp.where(
@@ -80,11 +80,11 @@ class RoughDielectric:
         # a small surface has the viewer before it, and the light on the side that the large one has it
         real = (cosine > 0) & ((sight > 0) == back) & (square > 0)
         share = _reflectance(jnp.maximum(cosine, 0), here, there)
-        seen = unshadowed(self.roughness, outgoing) * distribution(self.roughness, (x, y, z)) / outgoing[2]
+        seen = masking(self.roughness, outgoing) * distribution(self.roughness, (x, y, z)) / outgoing[2]
         turned = here * cosine + there * sight
         through = divide_where(real & ~back, jnp.abs(sight) * cosine, turned * turned) * (1 - share)
         density = jnp.where(real, seen * jnp.where(back, share / 4, there * there * through), 0)
-        value = unshadowed(self.roughness, incoming) * density * jnp.where(back, 1, (here / there) ** 2)
+        value = masking(self.roughness, incoming) * density * jnp.where(back, 1, (here / there) ** 2)
         return (value, value, value), density
 
     def branches(self, place: Place, outgoing: Vector, gloss: Any) -> tuple[Branch, Branch]:
@@ -97,8 +97,8 @@ class RoughDielectric:
         cosine = dot(outgoing, normal)
         share = _reflectance(cosine, here, there)
         back, through = reflected(outgoing, normal, cosine), _refracted(outgoing, normal, cosine, here / there)
-        r = jnp.where(back[2] > 0, share * unshadowed(self.roughness, back), 0)
-        t = jnp.where(through[2] < 0, (1 - share) * unshadowed(self.roughness, through), 0)
+        r = jnp.where(back[2] > 0, share * masking(self.roughness, back), 0)
+        t = jnp.where(through[2] < 0, (1 - share) * masking(self.roughness, through), 0)
         return (back, (r, r, r)), (through, (t, t, t))
 
     def _indices(self, place: Place) -> tuple[jax.Array, jax.Array]:

@@ -85,7 +85,7 @@ def _segment(world: World, walk: _Walk, further: jax.Array, chance: jax.Array, f
     beyond, far_density = background(world, walk.ray.direction)
     escaped = walk.alive & ~hit.met
     seen = jax.tree.map(lambda a, b: jnp.where(met, a, jnp.where(escaped, b, 0)), shining, beyond)
-    share = _share(walk.density, jnp.where(hit.met, density, far_density))
+    share = _heuristic(walk.density, jnp.where(hit.met, density, far_density))
     radiance = plus(walk.radiance, times(walk.weight, scaled(seen, share)))
 
     surface = surface_of(world, walk.ray, hit)
@@ -118,11 +118,11 @@ def _direct(
     far = jnp.where(asked, light.distance, 0)
     shadow = ray.onward(hit.point, light.direction, hit.primitive)
     lit = asked & ~blocked(world, shadow, far, light.target)
-    share = jnp.where(lit, _share(light.density, density), 0)
+    share = jnp.where(lit, _heuristic(light.density, density), 0)
     return scaled(brought, share), asked
 
 
-def _share(density: jax.Array, other: jax.Array) -> jax.Array:
+def _heuristic(density: jax.Array, other: jax.Array) -> jax.Array:
     """The power heuristic: what counts of a way chosen with one density that could be chosen with another as well."""
     sure = jnp.isinf(density)
     ratio = other / jnp.where(sure | (density == 0), 1, density)

@@ -21,7 +21,7 @@ FEW = 64
 
 
 class Way(enum.Enum):
-    """What is wanted; the value is the word in a command."""
+    """What is wanted."""
 
     AUTO = "auto"
     ALL = "all"

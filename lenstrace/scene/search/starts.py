@@ -13,7 +13,7 @@ import jax
 import jax.numpy as jnp
 
 from lenstrace.optics.shapes.triangle import Triangle
-from lenstrace.optics.vectors import Vector, dot
+from lenstrace.optics.vectors import Vector, cross, dot, minus
 from lenstrace.scene.rays import SceneRay
 
 # How far, in units of epsilon times the largest coordinate of the triangle.
@@ -29,9 +29,9 @@ def off_triangle(triangle: Triangle, ray: SceneRay, on: jax.Array, epsilon: floa
     The point is a + p (b - a) + q (c - a), with shares 1 - p - q, p and q of the corners. A share of an edge's far
     corner is the distance to the edge over the height of the triangle there, 2 area / edge.
     """
-    first, second = _minus(triangle.b, triangle.a), _minus(triangle.c, triangle.a)
-    third = _minus(second, first)
-    normal = _cross(first, second)
+    first, second = minus(triangle.b, triangle.a), minus(triangle.c, triangle.a)
+    third = minus(second, first)
+    normal = cross(first, second)
     # lengths are scaled so that the area of a small triangle does not vanish
     longest = jnp.maximum(jnp.maximum(_largest(first), _largest(second)), _largest(third))
     longest = jnp.where(longest > 0, longest, 1)
@@ -39,9 +39,9 @@ def off_triangle(triangle: Triangle, ray: SceneRay, on: jax.Array, epsilon: floa
     unit = _scaled(unit, 1 / longest)
     area = dot(unit, unit)
     area = jnp.where(area > 0, area, 1)
-    away = _scaled(_minus(ray.point, triangle.a), 1 / longest)
-    p = dot(_cross(away, _scaled(second, 1 / longest)), unit) / area
-    q = dot(_cross(_scaled(first, 1 / longest), away), unit) / area
+    away = _scaled(minus(ray.point, triangle.a), 1 / longest)
+    p = dot(cross(away, _scaled(second, 1 / longest)), unit) / area
+    q = dot(cross(_scaled(first, 1 / longest), away), unit) / area
     rounding = epsilon * jnp.maximum(jnp.maximum(_largest(triangle.a), _largest(triangle.b)), _largest(triangle.c))
     root = jnp.sqrt(area)
     least = INSET * rounding / (longest * longest * root)
@@ -59,16 +59,8 @@ def off_triangle(triangle: Triangle, ray: SceneRay, on: jax.Array, epsilon: floa
     return ray.onward(tuple(point), ray.direction, ray.start)
 
 
-def _minus(a: Vector, b: Vector) -> Vector:
-    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
-
-
 def _scaled(a: Vector, factor: jax.Array) -> Vector:
     return a[0] * factor, a[1] * factor, a[2] * factor
-
-
-def _cross(a: Vector, b: Vector) -> Vector:
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 def _largest(a: Vector) -> jax.Array:
