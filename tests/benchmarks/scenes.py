@@ -162,6 +162,11 @@ def _mesh(table: Table) -> None:
         "the hierarchy in JAX": lambda: jax.block_until_ready(each(nearest, world[Way.HIERARCHY], ray)),
     }
     seconds = interleaved(calls, ROUNDS)
+    # all but those that go through an edge
+    numbers = [np.asarray(call()[1]) for call in calls.values()]
+    table.value(
+        "of them, rays for which both name another triangle", np.mean(numbers[0] != numbers[1]), "", at_most=1e-5
+    )
     for name, at_least in (("Embree", 4.0), ("the hierarchy in JAX", None)):
         rate = RAYS / float(np.median(seconds[name])) / 1e6
         table.value(f"incoherent rays among {len(mesh):,} triangles, {name}", rate, "million/s", at_least=at_least)
