@@ -30,10 +30,10 @@ jax.config.update("jax_numpy_dtype_promotion", "strict")
 # kept in the user's.
 OWNS_PROGRAMS = "JAX_COMPILATION_CACHE_DIR" not in os.environ
 PROGRAMS = os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", tempfile.mkdtemp(prefix="lenstrace-programs-"))
-os.environ["JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"] = "0.1"
+os.environ["JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"] = "1"
 os.environ["JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES"] = "-1"
 jax.config.update("jax_compilation_cache_dir", PROGRAMS)
-jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)
+jax.config.update("jax_persistent_cache_min_compile_time_secs", 1.0)
 jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
 ROOT = Path(__file__).parent.parent
 LONGEST = {"test_notebooks", "test_readme"}
