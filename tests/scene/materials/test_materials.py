@@ -1,6 +1,7 @@
 """Every material: sampling agrees with its density, no light is made, both ways are alike, known limits."""
 
 import functools
+import itertools
 
 import jax
 import jax.numpy as jnp
@@ -40,7 +41,7 @@ def numbers(material, dtype=jnp.float64):
 
 def place(like, outside=True):
     zero = jnp.zeros_like(like)
-    return Place((zero, zero, zero), jnp.full(zero.shape, outside), None)
+    return Place((zero, zero, zero), jnp.broadcast_to(outside, zero.shape), None)
 
 
 def toward(cosine, turn=0.4, dtype=jnp.float64, count=1):
@@ -48,20 +49,20 @@ def toward(cosine, turn=0.4, dtype=jnp.float64, count=1):
     return tuple(jnp.full(count, a, dtype) for a in (sine * np.cos(turn), sine * np.sin(turn), cosine))
 
 
-@functools.partial(jax.jit, static_argnames=("count", "dtype", "outside"))
+@functools.partial(jax.jit, static_argnames=("count", "dtype"))
 def sampled(material, cosine_vector, seed, count=COUNT, dtype=jnp.float64, outside=True):
     u, v, w = jax.random.uniform(jax.random.key(seed), (3, count), dtype)
     outgoing = tuple(jnp.broadcast_to(a, (count,)) for a in cosine_vector)
     return material.sample(place(u, outside), outgoing, u, v, w)
 
 
-@functools.partial(jax.jit, static_argnames=("outside",))
+@jax.jit
 def evaluated(material, outgoing, incoming, outside=True):
     outgoing = tuple(jnp.broadcast_to(a, incoming[0].shape) for a in outgoing)
     return material.evaluate(place(incoming[0], outside), outgoing, incoming)
 
 
-ROWS, COLUMNS, INSIDE = 24, 48, 60
+ROWS, COLUMNS = 24, 48
 
 
 def cells(incoming):
@@ -73,8 +74,12 @@ def cells(incoming):
 
 
 def expected(material, outgoing, outside):
-    """Density integrated over each cell, by a finer grid within it; Gauss-Legendre in height and angle."""
-    nodes, weights = np.polynomial.legendre.leggauss(INSIDE)
+    """Density integrated over each cell, by a finer grid within it; Gauss-Legendre in height and angle.
+
+    With 60 x 60 nodes chi-square changes by less than 1: that of glass has edges, the others are smooth.
+    """
+    inside = 30 if isinstance(material, RoughDielectric) else 12
+    nodes, weights = np.polynomial.legendre.leggauss(inside)
     fine = (np.arange(ROWS)[:, None] + (nodes + 1) / 2).ravel()
     z = 1 - 2 * fine / ROWS
     turn = 2 * np.pi * (np.arange(COLUMNS)[:, None] + (nodes + 1) / 2).ravel() / COLUMNS
@@ -82,13 +87,17 @@ def expected(material, outgoing, outside):
     r = np.sqrt(1 - z * z)
     incoming = tuple(jnp.asarray(a.ravel()) for a in (r * np.cos(turn), r * np.sin(turn), z))
     _, density = evaluated(material, outgoing, incoming, outside)
-    density = np.asarray(density).reshape(ROWS, INSIDE, COLUMNS, INSIDE)
+    density = np.asarray(density).reshape(ROWS, inside, COLUMNS, inside)
     return np.einsum("ricj,i,j->rc", density, weights, weights).ravel() / 4 * (4 * np.pi / (ROWS * COLUMNS))
 
 
-@pytest.mark.parametrize("outside", [True, False])
+# only glass asks which side it is seen from
+SIDES = [*itertools.product(("diffuse", "blinn-phong", "gold .5", "gold 1"), [True])]
+SIDES += itertools.product(("ground glass .6",), [True, False])
+
+
 @pytest.mark.parametrize("cosine", COSINES)
-@pytest.mark.parametrize("name", [name for name in SPREADING if name != "gold .05" and name != "ground glass .1"])
+@pytest.mark.parametrize(("name", "outside"), SIDES)
 def test_directions_are_chosen_with_the_density_that_is_told(name, cosine, outside):
     """Chi-square over cells of the sphere, 1e6 samples; cells expected to hold fewer than 5 are pooled."""
     material, outgoing = numbers(SPREADING[name]), toward(cosine)
@@ -110,7 +119,7 @@ def test_directions_are_chosen_with_the_density_that_is_told(name, cosine, outsi
 @pytest.mark.parametrize("name", SPREADING)
 def test_weight_is_scattering_over_density(name, outside, dtype):
     material, outgoing = numbers(SPREADING[name], dtype), toward(0.6, dtype=dtype)
-    incoming, weight, density = sampled(material, outgoing, 5, count=10_000, dtype=dtype, outside=outside)
+    incoming, weight, density = sampled(material, outgoing, 5, FEW, dtype, outside)
     value, again = evaluated(material, outgoing, incoming, outside)
     lives = np.asarray(density) > 1e-3
     near = 3e-2 if dtype == jnp.float32 else 1e-9
@@ -216,6 +225,17 @@ def test_ground_glass_becomes_clear():
     assert np.all(np.isfinite(density))
 
 
+@jax.jit
+@functools.partial(jax.value_and_grad, has_aux=True)
+def total(material, outgoing, u, v, w):
+    """All numbers, and their derivatives by those of the material."""
+    incoming, weight, density = material.sample(place(u), outgoing, u, v, w)
+    value, again = material.evaluate(place(u), outgoing, incoming)
+    kept = jnp.where(jnp.isinf(density), 0, density)
+    parts = (*incoming, *weight, *value)
+    return sum(jnp.sum(part) for part in parts), (*parts, kept, again)
+
+
 @pytest.mark.parametrize("dtype", [jnp.float32, jnp.float64])
 @pytest.mark.parametrize("name", ALL)
 def test_nothing_but_numbers_also_in_derivatives(name, dtype):
@@ -224,14 +244,7 @@ def test_nothing_but_numbers_also_in_derivatives(name, dtype):
     u, v, w, z = (a.ravel() for a in jnp.meshgrid(ends, ends, ends, jnp.asarray([1e-7, 1e-4, 0.5, 1], dtype)))
     outgoing = jnp.sqrt(1 - z * z), 0 * z, z
 
-    def total(material):
-        incoming, weight, density = material.sample(place(z), outgoing, u, v, w)
-        value, again = material.evaluate(place(z), outgoing, incoming)
-        kept = jnp.where(jnp.isinf(density), 0, density)
-        parts = (*incoming, *weight, *value)
-        return sum(jnp.sum(part) for part in parts), (*parts, kept, again)
-
-    (_, parts), slopes = jax.value_and_grad(total, has_aux=True)(numbers(ALL[name], dtype))
+    (_, parts), slopes = total(numbers(ALL[name], dtype), outgoing, u, v, w)
     for part in (*parts, *jax.tree.leaves(slopes)):
         assert np.all(np.isfinite(part))
 
@@ -256,21 +269,16 @@ def test_values_and_densities_are_mitsubas(name):
     keys, material = MITSUBA[name]
     peer = mitsuba.load_dict(keys)
     rng = np.random.default_rng(2)
-    for _ in range(40):
-        outgoing, incoming = rng.normal(size=(2, 3))
-        outgoing, incoming = outgoing / np.linalg.norm(outgoing), incoming / np.linalg.norm(incoming)
-        outside = outgoing[2] > 0
-        crossing = mitsuba.SurfaceInteraction3f()
-        crossing.wi = outgoing.tolist()
-        context = mitsuba.BSDFContext()
-        theirs = peer.eval(context, crossing, incoming.tolist())[0], peer.pdf(context, crossing, incoming.tolist())
-        flip = 1 if outside else -1
-        if name != "ground glass" and not outside:
-            continue
-        value, density = evaluated(
-            numbers(material),
-            tuple(jnp.asarray([a]) for a in outgoing * [1, 1, flip]),
-            tuple(jnp.asarray([a]) for a in incoming * [1, 1, flip]),
-            outside,
-        )
-        np.testing.assert_allclose([float(value[0][0]), float(density[0])], theirs, rtol=2e-4, atol=1e-6)
+    outgoing, incoming = (d / np.linalg.norm(d, axis=1, keepdims=True) for d in rng.normal(size=(2, 40, 3)))
+    if name != "ground glass":
+        outgoing = outgoing * np.sign(outgoing[:, 2:]) ** [0, 0, 1]
+    theirs = []
+    for o, i in zip(outgoing.tolist(), incoming.tolist(), strict=True):
+        crossing, context = mitsuba.SurfaceInteraction3f(), mitsuba.BSDFContext()
+        crossing.wi = o
+        theirs.append([peer.eval(context, crossing, i)[0], peer.pdf(context, crossing, i)])
+    outside = outgoing[:, 2] > 0
+    flip = np.where(outside, 1, -1)[:, None] ** [0, 0, 1]
+    ways = (tuple(map(jnp.asarray, (d * flip).T)) for d in (outgoing, incoming))
+    value, density = evaluated(numbers(material), *ways, outside)
+    np.testing.assert_allclose(np.transpose([value[0], density]), theirs, rtol=2e-4, atol=1e-6)
