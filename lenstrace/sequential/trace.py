@@ -154,7 +154,9 @@ def cross(
     if added is not None:
         ray = _replace_opl(ray, ray.opl + added)
     if centred:
-        slant = (ray.l * ray.l + ray.m * ray.m) / (1 + before * ray.n)
+        # a lost ray may run against the light: one along the axis that missed a mirror has 0 / 0
+        advance = jnp.maximum(1 + before * ray.n, jnp.finfo(ray.n.dtype).eps)
+        slant = (ray.l * ray.l + ray.m * ray.m) / advance
         step = after * record.index_after - before * record.index_before
         bent = _replace_opl(bent, ray.opl + record.index_before * distance * slant - step * z)
         return bent, bent

@@ -167,18 +167,46 @@ def roots_of(shape: Shape, point: Any, direction: Any, on: Any) -> Roots:
     return shape.roots(point, direction, on)
 
 
+@jax.jit
+def _normal(shape: Shape, place: Any) -> Any:
+    return shape.normal(place)
+
+
+@jax.jit
+def _value_normal_and_gradient(shape: Shape, place: Any) -> Any:
+    return shape.value(place), shape.normal(place), jax.vmap(jax.grad(shape.value))(place)
+
+
+def padding(count: int) -> tuple[tuple[int, int], tuple[int, int]]:
+    """What is added to arrays (3, N): few sizes, so that few programs are compiled."""
+    return (0, 0), (0, (4096 if count <= 4096 else max(32768, 1 << (count - 1).bit_length())) - count)
+
+
 def found(shape: Shape, point: Any, direction: Any, on: Any = False) -> tuple[np.ndarray, np.ndarray]:
     """Distances and masks of all candidates, (candidates, N), of arrays (3, N)."""
     dtype = jax.tree.leaves(shape)[0].dtype
     point, direction = np.asarray(point, dtype), np.asarray(direction, dtype)
     count = point.shape[1]
-    # few sizes, so that few programs are compiled
-    more = (0, 0), (0, max(4096, 1 << (count - 1).bit_length()) - count)
-    rays = (tuple(jnp.asarray(np.pad(a, more, "edge"))) for a in (point, direction))
-    starts_on = jnp.asarray(np.pad(np.broadcast_to(on, count), more[1], "edge"))
-    found = roots_of(shape, *rays, starts_on)
-    assert all(t.dtype == dtype and bool(jnp.isfinite(t).all()) for t, _ in found)
+    more = padding(count)
+    rays = (tuple(np.pad(a, more, "edge")) for a in (point, direction))
+    starts_on = np.pad(np.broadcast_to(on, count), more[1], "edge")
+    found = [tuple(map(np.asarray, each)) for each in roots_of(shape, *rays, starts_on)]
+    assert all(t.dtype == dtype and np.isfinite(t).all() for t, _ in found)
     return np.stack([t for t, _ in found])[:, :count], np.stack([real for _, real in found])[:, :count]
+
+
+def normals(shape: Shape, place: np.ndarray) -> np.ndarray:
+    """Of places (3, N)."""
+    padded = tuple(np.pad(place, padding(place.shape[1]), "edge"))
+    return np.stack(_normal(shape, padded))[:, : place.shape[1]]
+
+
+def value_normal_and_gradient(shape: Shape, place: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """What the shape says of places (3, ...), and the derivatives of its value: (...), (3, ...) and (3, ...)."""
+    flat = place.reshape(3, -1)
+    told = _value_normal_and_gradient(shape, tuple(np.pad(flat, padding(flat.shape[1]), "edge")))
+    value, normal, gradient = (np.asarray(each)[..., : flat.shape[1]] for each in told)
+    return value.reshape(place.shape[1:]), normal.reshape(place.shape), gradient.reshape(place.shape)
 
 
 def first_ahead(distance: np.ndarray, real: np.ndarray) -> np.ndarray:

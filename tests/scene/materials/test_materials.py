@@ -1,6 +1,7 @@
 """Every material: sampling agrees with its density, no light is made, both ways are alike, known limits."""
 
 import functools
+import itertools
 
 import jax
 import jax.numpy as jnp
@@ -30,8 +31,6 @@ SPREADING = {
 }
 SHARP = {"mirror": Mirror((0.9, 0.8, 0.7)), "glass": Dielectric(GLASS)}
 ALL = SPREADING | SHARP
-# Only glass is another thing from inside.
-SIDES = [(name, outside) for name in ALL for outside in (True, False) if outside or "glass" in name]
 COUNT, FEW = 1_000_000, 100_000
 COSINES = (1.0, 0.7, 0.15)
 
@@ -42,7 +41,7 @@ def numbers(material, dtype=jnp.float64):
 
 def place(like, outside=True):
     zero = jnp.zeros_like(like)
-    return Place((zero, zero, zero), jnp.full(zero.shape, outside), None)
+    return Place((zero, zero, zero), jnp.broadcast_to(outside, zero.shape), None)
 
 
 def toward(cosine, turn=0.4, dtype=jnp.float64, count=1):
@@ -50,14 +49,14 @@ def toward(cosine, turn=0.4, dtype=jnp.float64, count=1):
     return tuple(jnp.full(count, a, dtype) for a in (sine * np.cos(turn), sine * np.sin(turn), cosine))
 
 
-@functools.partial(jax.jit, static_argnames=("count", "dtype", "outside"))
+@functools.partial(jax.jit, static_argnames=("count", "dtype"))
 def sampled(material, cosine_vector, seed, count=COUNT, dtype=jnp.float64, outside=True):
     u, v, w = jax.random.uniform(jax.random.key(seed), (3, count), dtype)
     outgoing = tuple(jnp.broadcast_to(a, (count,)) for a in cosine_vector)
     return material.sample(place(u, outside), outgoing, u, v, w)
 
 
-@functools.partial(jax.jit, static_argnames=("outside",))
+@jax.jit
 def evaluated(material, outgoing, incoming, outside=True):
     outgoing = tuple(jnp.broadcast_to(a, incoming[0].shape) for a in outgoing)
     return material.evaluate(place(incoming[0], outside), outgoing, incoming)
@@ -75,9 +74,11 @@ def cells(incoming):
 
 
 def expected(material, outgoing, outside):
-    """Density integrated over each cell, by a finer grid within it; Gauss-Legendre in height and angle."""
-    # the light that glass lets through ends sharply at an angle
-    inside = 60 if isinstance(material, RoughDielectric) else 24
+    """Density integrated over each cell, by a finer grid within it; Gauss-Legendre in height and angle.
+
+    With 60 x 60 nodes chi-square changes by less than 1: that of glass has edges, the others are smooth.
+    """
+    inside = 30 if isinstance(material, RoughDielectric) else 12
     nodes, weights = np.polynomial.legendre.leggauss(inside)
     fine = (np.arange(ROWS)[:, None] + (nodes + 1) / 2).ravel()
     z = 1 - 2 * fine / ROWS
@@ -90,11 +91,13 @@ def expected(material, outgoing, outside):
     return np.einsum("ricj,i,j->rc", density, weights, weights).ravel() / 4 * (4 * np.pi / (ROWS * COLUMNS))
 
 
+# only glass asks which side it is seen from
+SIDES = [*itertools.product(("diffuse", "blinn-phong", "gold .5", "gold 1"), [True])]
+SIDES += itertools.product(("ground glass .6",), [True, False])
+
+
 @pytest.mark.parametrize("cosine", COSINES)
-@pytest.mark.parametrize(
-    ("name", "outside"),
-    [each for each in SIDES if each[0] in SPREADING and each[0] not in ("gold .05", "ground glass .1")],
-)
+@pytest.mark.parametrize(("name", "outside"), SIDES)
 def test_directions_are_chosen_with_the_density_that_is_told(name, cosine, outside):
     """Chi-square over cells of the sphere, 1e6 samples; cells expected to hold fewer than 5 are pooled."""
     material, outgoing = numbers(SPREADING[name]), toward(cosine)
@@ -112,10 +115,11 @@ def test_directions_are_chosen_with_the_density_that_is_told(name, cosine, outsi
 
 
 @pytest.mark.parametrize("dtype", [jnp.float32, jnp.float64])
-@pytest.mark.parametrize(("name", "outside"), [each for each in SIDES if each[0] in SPREADING])
+@pytest.mark.parametrize("outside", [True, False])
+@pytest.mark.parametrize("name", SPREADING)
 def test_weight_is_scattering_over_density(name, outside, dtype):
     material, outgoing = numbers(SPREADING[name], dtype), toward(0.6, dtype=dtype)
-    incoming, weight, density = sampled(material, outgoing, 5, count=10_000, dtype=dtype, outside=outside)
+    incoming, weight, density = sampled(material, outgoing, 5, FEW, dtype, outside)
     value, again = evaluated(material, outgoing, incoming, outside)
     lives = np.asarray(density) > 1e-3
     near = 3e-2 if dtype == jnp.float32 else 1e-9
@@ -134,8 +138,9 @@ def flux(material, cosine, outside, dtype=jnp.float64):
     return np.array([[np.mean(each), np.std(each) / np.sqrt(FEW)] for each in counted]).T
 
 
+@pytest.mark.parametrize("outside", [True, False])
 @pytest.mark.parametrize("cosine", [*COSINES, 1e-4])
-@pytest.mark.parametrize(("name", "outside"), SIDES)
+@pytest.mark.parametrize("name", ALL)
 def test_no_material_makes_light(name, cosine, outside):
     mean, error = flux(numbers(ALL[name]), cosine, outside)
     assert np.all(np.isfinite(mean))
@@ -220,6 +225,17 @@ def test_ground_glass_becomes_clear():
     assert np.all(np.isfinite(density))
 
 
+@jax.jit
+@functools.partial(jax.value_and_grad, has_aux=True)
+def total(material, outgoing, u, v, w):
+    """All numbers, and their derivatives by those of the material."""
+    incoming, weight, density = material.sample(place(u), outgoing, u, v, w)
+    value, again = material.evaluate(place(u), outgoing, incoming)
+    kept = jnp.where(jnp.isinf(density), 0, density)
+    parts = (*incoming, *weight, *value)
+    return sum(jnp.sum(part) for part in parts), (*parts, kept, again)
+
+
 @pytest.mark.parametrize("dtype", [jnp.float32, jnp.float64])
 @pytest.mark.parametrize("name", ALL)
 def test_nothing_but_numbers_also_in_derivatives(name, dtype):
@@ -228,14 +244,7 @@ def test_nothing_but_numbers_also_in_derivatives(name, dtype):
     u, v, w, z = (a.ravel() for a in jnp.meshgrid(ends, ends, ends, jnp.asarray([1e-7, 1e-4, 0.5, 1], dtype)))
     outgoing = jnp.sqrt(1 - z * z), 0 * z, z
 
-    def total(material):
-        incoming, weight, density = material.sample(place(z), outgoing, u, v, w)
-        value, again = material.evaluate(place(z), outgoing, incoming)
-        kept = jnp.where(jnp.isinf(density), 0, density)
-        parts = (*incoming, *weight, *value)
-        return sum(jnp.sum(part) for part in parts), (*parts, kept, again)
-
-    (_, parts), slopes = jax.value_and_grad(total, has_aux=True)(numbers(ALL[name], dtype))
+    (_, parts), slopes = total(numbers(ALL[name], dtype), outgoing, u, v, w)
     for part in (*parts, *jax.tree.leaves(slopes)):
         assert np.all(np.isfinite(part))
 
@@ -260,21 +269,16 @@ def test_values_and_densities_are_mitsubas(name):
     keys, material = MITSUBA[name]
     peer = mitsuba.load_dict(keys)
     rng = np.random.default_rng(2)
-    for _ in range(40):
-        outgoing, incoming = rng.normal(size=(2, 3))
-        outgoing, incoming = outgoing / np.linalg.norm(outgoing), incoming / np.linalg.norm(incoming)
-        outside = outgoing[2] > 0
-        crossing = mitsuba.SurfaceInteraction3f()
-        crossing.wi = outgoing.tolist()
-        context = mitsuba.BSDFContext()
-        theirs = peer.eval(context, crossing, incoming.tolist())[0], peer.pdf(context, crossing, incoming.tolist())
-        flip = 1 if outside else -1
-        if name != "ground glass" and not outside:
-            continue
-        value, density = evaluated(
-            numbers(material),
-            tuple(jnp.asarray([a]) for a in outgoing * [1, 1, flip]),
-            tuple(jnp.asarray([a]) for a in incoming * [1, 1, flip]),
-            outside,
-        )
-        np.testing.assert_allclose([float(value[0][0]), float(density[0])], theirs, rtol=2e-4, atol=1e-6)
+    outgoing, incoming = (d / np.linalg.norm(d, axis=1, keepdims=True) for d in rng.normal(size=(2, 40, 3)))
+    if name != "ground glass":
+        outgoing = outgoing * np.sign(outgoing[:, 2:]) ** [0, 0, 1]
+    theirs = []
+    for o, i in zip(outgoing.tolist(), incoming.tolist(), strict=True):
+        crossing, context = mitsuba.SurfaceInteraction3f(), mitsuba.BSDFContext()
+        crossing.wi = o
+        theirs.append([peer.eval(context, crossing, i)[0], peer.pdf(context, crossing, i)])
+    outside = outgoing[:, 2] > 0
+    flip = np.where(outside, 1, -1)[:, None] ** [0, 0, 1]
+    ways = (tuple(map(jnp.asarray, (d * flip).T)) for d in (outgoing, incoming))
+    value, density = evaluated(numbers(material), *ways, outside)
+    np.testing.assert_allclose(np.transpose([value[0], density]), theirs, rtol=2e-4, atol=1e-6)

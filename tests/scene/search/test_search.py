@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from typing import Any
 
 import jax
@@ -67,17 +68,31 @@ def _intersect(world: World, ray: SceneRay) -> Any:
     return intersect(world, ray)
 
 
+def _onward(world: World, ray: SceneRay) -> SceneRay:
+    hit = intersect(world, ray)
+    return ray.onward(hit.point, hit.normal, hit.primitive)
+
+
 def _blocked(world: World, asked: Any) -> Any:
     return blocked(world, *asked)
+
+
+@functools.cache
+def _by_asking_all(
+    mesh: str, across: int, down: int, reach: float, dtype: Any, count: int
+) -> tuple[Mesh, SceneRay, Any]:
+    """A mesh, rays from all over a ball, and what they meet."""
+    random = np.random.default_rng(1)
+    made = formula_mesh(mesh, across, down)
+    ray = _ray(_inside_ball(count, reach, random), _directions(count, random), dtype)
+    return made, ray, _run(_nearest, _world(made, dtype, Way.ALL), ray)
 
 
 @pytest.mark.parametrize("dtype", PRECISIONS)
 @pytest.mark.parametrize("way", WAYS[1:])
 def test_meets_what_asking_all_meets(way: Way, dtype: Any) -> None:
-    random = np.random.default_rng(1)
-    mesh = formula_mesh("rippled sphere", 40, 20)
-    ray = _ray(_inside_ball(8_000, 1.2, random), _directions(8_000, random), dtype)
-    (t, number), (all_t, all_number) = (_run(_nearest, _world(mesh, dtype, each), ray) for each in (way, Way.ALL))
+    mesh, ray, (all_t, all_number) = _by_asking_all("rippled sphere", 40, 20, 1.2, dtype, 4_000)
+    t, number = _run(_nearest, _world(mesh, dtype, way), ray)
     met = all_number != NOWHERE
     assert 0.5 < met.mean() < 0.95
     same = number == all_number
@@ -113,21 +128,17 @@ def test_many_spheres_go_through_a_hierarchy(dtype: Any) -> None:
     assert np.quantile(apart, 0.99) < 10 * np.finfo(dtype).eps
     assert apart.max() < np.sqrt(np.finfo(dtype).eps)
     # and from where they begin on a sphere
-    hit = intersect(every, ray)
-    onward = ray.onward(hit.point, hit.normal, hit.primitive)
+    onward = _run(_onward, every, ray)
     assert (_run(_nearest, tree, onward)[1] == _run(_nearest, every, onward)[1]).all()
 
 
 @pytest.mark.parametrize("way", WAYS)
 def test_blocked(way: Way) -> None:
-    random = np.random.default_rng(3)
-    mesh = formula_mesh("torus knot", 60, 12)
+    mesh, ray, (t, number) = _by_asking_all("torus knot", 60, 12, 3, np.float64, 2_000)
     world = _world(mesh, np.float64, way)
-    ray = _ray(_inside_ball(6_000, 3, random), _directions(6_000, random), np.float64)
-    t, number = _run(_nearest, _world(mesh, np.float64, Way.ALL), ray)
     met = number != NOWHERE
     assert 0.2 < met.mean() < 0.9
-    nobody = jnp.full(6_000, NOWHERE, jnp.int32)
+    nobody = jnp.full(met.shape, NOWHERE, jnp.int32)
     far = jnp.where(met, t, 1.0)
     # single precision tells no distances apart right at the beginning
     near = (t > 0.05) | ~met
@@ -147,10 +158,11 @@ def test_no_ray_goes_through_an_edge_or_a_corner(way: Way, dtype: Any) -> None:
     a, b = (mesh.vertices[mesh.faces[:, i]] for i in (0, 1))
     aims = np.concatenate([mesh.vertices, *(a + s * (b - a) for s in (0.5, 0.25, 0.3, 1e-3))])
     aims = np.concatenate([aims, aims * [1, 1, -1], aims[:, [1, 2, 0]]])
+    world = _world(mesh, dtype, way)
     for middle in ([0, 0, 0], [0.1, -0.2, 0.3]):
         way_there = aims - np.array(middle)
         way_there /= np.linalg.norm(way_there, axis=1, keepdims=True)
-        _, number = _run(_nearest, _world(mesh, dtype, way), _ray(np.full_like(aims, middle), way_there, dtype))
+        _, number = _run(_nearest, world, _ray(np.full_like(aims, middle), way_there, dtype))
         assert (number != NOWHERE).all()
 
 
@@ -219,15 +231,19 @@ def test_derivatives_of_the_distance(way: Way) -> None:
         return intersect(changed, SceneRay(point, ray.direction, ray.start)).distance[0]
 
     zero = (jnp.zeros(()),) * 3
-    slopes = jax.jit(jax.grad(distance, (0, 1)))(zero, jnp.ones(()))
-    value = jax.jit(distance)
+    run = jax.jit(jax.value_and_grad(distance, (0, 1)))
+    _, slopes = run(zero, jnp.ones(()))
+
+    def value(moved: Any, scale: Any) -> Any:
+        return run(moved, scale)[0]
+
     step = 1e-6
     for i in range(3):
         there, back = (tuple(s * step * (j == i) + jnp.zeros(()) for j in range(3)) for s in (1, -1))
         difference = (value(there, jnp.ones(())) - value(back, jnp.ones(()))) / (2 * step)
         assert slopes[0][i] == pytest.approx(float(difference), rel=1e-6, abs=1e-9)
     # larger by a factor: the tree stands where it was, and the triangle that was met is met
-    difference = (value(zero, jnp.asarray(1 + step)) - value(zero, jnp.asarray(1 - step))) / (2 * step)
+    difference = (value(zero, jnp.ones(()) + step) - value(zero, jnp.ones(()) - step)) / (2 * step)
     assert slopes[1] == pytest.approx(float(difference), rel=1e-6)
 
 
