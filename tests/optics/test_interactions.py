@@ -113,7 +113,9 @@ def test_either_sign_serves_positive_indices_too() -> None:
 
 
 def test_derivative_by_index_is_finite_at_total_reflection() -> None:
-    def component(n2: jax.Array) -> jax.Array:
+    @jax.jit
+    @jax.grad
+    def slope(n2: jax.Array) -> jax.Array:
         zero, sine = jnp.zeros(()), jnp.asarray(0.9)
         cosine = jnp.sqrt(1 - sine**2)
         bent, _ = law(
@@ -129,7 +131,7 @@ def test_derivative_by_index_is_finite_at_total_reflection() -> None:
         )
         return bent[1] + bent[2]
 
-    assert np.isfinite(jax.grad(component)(1.0))
+    assert np.isfinite(slope(1.0))
 
 
 @pytest.mark.parametrize("kind", list(Interaction))
@@ -140,7 +142,7 @@ def test_derivatives_of_both_orders(kind: Interaction) -> None:
         geometry = tuple(direction), tuple(normal), normal @ normal, abs(along), jnp.sign(along)
         return jnp.stack(law(kind, *geometry, n1, n2, MET)[0])
 
-    directions, normals, *_ = random_geometry(8)
+    directions, normals, *_ = random_geometry(4)
     indices = [(1.0, 1.5), (1.5, 1.0), (1.4, 1.4), (1.3, -1.2)]
     for n1, n2 in indices[: 3 if kind is Interaction.REFRACT else 4]:
         for direction, normal in zip(directions.T, normals.T, strict=True):
@@ -155,7 +157,7 @@ def test_a_ray_that_meets_nothing_goes_straight_on_and_its_derivatives_too() -> 
         return jnp.stack(law(Interaction.REFRACT, *geometry, one, index, ~MET)[0])
 
     direction = jnp.array([0.0, 0.6, 0.8])
-    by_direction, by_index = jax.jacobian(behind, (0, 1))(direction, jnp.asarray(1.5))
-    assert (behind(direction, jnp.asarray(1.5)) == direction).all()
+    by_direction, by_index = jax.jit(jax.jacobian(behind, (0, 1)))(direction, jnp.asarray(1.5))
+    assert (jax.jit(behind)(direction, jnp.asarray(1.5)) == direction).all()
     assert (by_direction == np.eye(3)).all()
     assert (by_index == 0).all()

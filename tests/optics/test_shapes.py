@@ -1,6 +1,7 @@
 """One contract for every shape: sag, normal and crossing agree with each other and with closed forms."""
 
 import math
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -13,6 +14,8 @@ from scipy.optimize import brentq
 from lenstrace.optics.rays import RayStatus
 from lenstrace.optics.shapes.asphere import Asphere
 from lenstrace.optics.shapes.conic import Conic
+from lenstrace.optics.shapes.crossing import Crossing
+from lenstrace.optics.vectors import Vector
 
 SHAPES = {
     "plane": Conic(jnp.array(0.0), jnp.array(0.0)),
@@ -33,6 +36,8 @@ SHAPES = {
     ),
     "flat asphere": Asphere(jnp.array(0.0), jnp.array(0.0), jnp.array([2e-3, 1e-6]), jnp.array(1.0), (2, 4)),
 }
+# Python's numbers become arrays of another kind than those of numpy: one program serves all
+SHAPES = {name: jax.tree.map(lambda a: jnp.asarray(a, float), shape) for name, shape in SHAPES.items()}
 
 
 @pytest.fixture(params=SHAPES)
@@ -50,8 +55,51 @@ def rays(seed: int, count: int = 200) -> tuple[np.ndarray, np.ndarray]:
     return np.array([x, y, np.zeros(count)]), direction
 
 
-def crossing(shape: Conic | Asphere, point: np.ndarray, direction: np.ndarray, side: float = 1.0):
-    return shape.crossing(tuple(map(jnp.asarray, point)), tuple(map(jnp.asarray, direction)), jnp.asarray(side))
+@jax.jit
+def crossed(shape: Conic | Asphere, point: Vector, direction: Vector, side: jax.Array) -> Crossing:
+    """What is met."""
+    return shape.crossing(point, direction, side)
+
+
+@jax.jit
+def sag_of_one(shape: Conic | Asphere, x: jax.Array, y: jax.Array) -> jax.Array:
+    """Of two numbers."""
+    return shape.sag(x, y)
+
+
+@jax.jit
+def sag_and_slopes(shape: Conic | Asphere, x: jax.Array, y: jax.Array) -> tuple[jax.Array, Any]:
+    """Of arrays of one size."""
+    return shape.sag(x, y), jax.vmap(jax.grad(shape.sag, argnums=(0, 1)))(x, y)
+
+
+@jax.jit
+def distance_and_derivatives(shape: Conic | Asphere, point: Vector, direction: Vector) -> tuple[jax.Array, Any, Any]:
+    """Of one ray: by every number of the shape and by y, and the second one by y."""
+
+    def distance(shape: Conic | Asphere, y: jax.Array) -> jax.Array:
+        return shape.crossing((point[0], y, point[2]), direction, jnp.ones(())).distance
+
+    value, slopes = jax.value_and_grad(distance, argnums=(0, 1))(shape, point[1])
+    return value, slopes, jax.grad(jax.grad(distance, argnums=1), argnums=1)(shape, point[1])
+
+
+@jax.jit
+def derivatives_along_the_axis(shape: Conic | Asphere, y: jax.Array) -> Any:
+    """Of all that is found, of a ray along the axis."""
+
+    def found(shape: Conic | Asphere, y: jax.Array) -> jax.Array:
+        zero = jnp.zeros(())
+        found = shape.crossing((zero, y, zero), (zero, zero, jnp.ones(())), jnp.ones(()))
+        return found.distance + found.cosine + found.normal[1]
+
+    return jax.grad(found, argnums=(0, 1))(shape, y)
+
+
+def crossing(shape: Conic | Asphere, point: Any, direction: Any, side: float = 1.0) -> Crossing:
+    """By numbers of numpy."""
+    point, direction = (tuple(np.asarray(a, float)) for a in (point, direction))
+    return crossed(shape, point, direction, np.float64(side))
 
 
 def test_crossing_lies_on_the_surface_and_on_the_ray(shape: Conic | Asphere) -> None:
@@ -59,17 +107,18 @@ def test_crossing_lies_on_the_surface_and_on_the_ray(shape: Conic | Asphere) -> 
     found = crossing(shape, point, direction)
     assert (np.asarray(found.status) == 0).all()
     assert_allclose(found.point, point + np.asarray(found.distance) * direction, atol=1e-14)
-    assert_allclose(found.point[2], shape.sag(found.point[0], found.point[1]), atol=5e-15)
+    assert_allclose(found.point[2], sag_and_slopes(shape, *found.point[:2])[0], atol=5e-15)
 
 
 def test_crossing_agrees_with_bisection(shape: Conic | Asphere) -> None:
-    point, direction = rays(2, 12)
+    point, direction = rays(2)
     found = crossing(shape, point, direction)
     for i in range(12):
         p, d = point[:, i], direction[:, i]
 
         def height(t: float, p: np.ndarray = p, d: np.ndarray = d) -> float:
-            return float(p[2] + t * d[2] - shape.sag(jnp.asarray(p[0] + t * d[0]), jnp.asarray(p[1] + t * d[1])))
+            x, y, z = p + t * d
+            return float(z - sag_of_one(shape, x, y))
 
         assert_allclose(found.distance[i], brentq(height, -6, 6, xtol=1e-14), atol=1e-13)
 
@@ -77,7 +126,7 @@ def test_crossing_agrees_with_bisection(shape: Conic | Asphere) -> None:
 def test_normal_is_the_gradient_of_the_sag(shape: Conic | Asphere) -> None:
     point, direction = rays(3)
     found = crossing(shape, point, direction)
-    slope = jax.vmap(jax.grad(shape.sag, argnums=(0, 1)))(found.point[0], found.point[1])
+    _, slope = sag_and_slopes(shape, *found.point[:2])
     normal = np.asarray(found.normal)
     assert_allclose(normal[0] / normal[2], -slope[0], atol=1e-14)
     assert_allclose(normal[1] / normal[2], -slope[1], atol=1e-14)
@@ -95,24 +144,17 @@ def test_backward_light_meets_the_same_point(shape: Conic | Asphere) -> None:
 
 def test_derivatives_of_the_crossing(shape: Conic | Asphere) -> None:
     """By every number of the shape and of the ray, to second order, against central differences."""
-    point, direction = rays(5, 1)
-
-    def distance(shape: Conic | Asphere, y: jax.Array) -> jax.Array:
-        return crossing(shape, [point[0, 0], y, 0.0], direction[:, 0]).distance  # type: ignore[arg-type]
-
-    y = jnp.asarray(point[1, 0])
-    first = jax.grad(distance, argnums=(0, 1))(shape, y)
+    x, y, z, *direction = np.concatenate(rays(5, 1))[:, 0]
+    _, (first, _), second = distance_and_derivatives(shape, (x, y, z), direction)
     leaves, tree = jax.tree.flatten(shape)
     for i, leaf in enumerate(leaves):
         for j in np.ndindex(leaf.shape):
             step = 1e-6 * max(1e-3, float(abs(leaf[j])))
-            moved = [
-                distance(tree.unflatten([*leaves[:i], leaf.at[j].add(s), *leaves[i + 1 :]]), y) for s in (step, -step)
-            ]
-            difference = (moved[0] - moved[1]) / (2 * step)
-            assert_allclose(jax.tree.leaves(first[0])[i][j], difference, rtol=2e-5, atol=1e-6)
-    second = jax.grad(jax.grad(distance, argnums=1), argnums=1)(shape, y)
-    rates = [jax.grad(distance, argnums=1)(shape, y + s) for s in (1e-5, -1e-5)]
+            changed = [[*leaves[:i], leaf.at[j].add(s), *leaves[i + 1 :]] for s in (step, -step)]
+            ends = [distance_and_derivatives(tree.unflatten(each), (x, y, z), direction)[0] for each in changed]
+            difference = (ends[0] - ends[1]) / (2 * step)
+            assert_allclose(jax.tree.leaves(first)[i][j], difference, rtol=2e-5, atol=1e-6)
+    rates = [distance_and_derivatives(shape, (x, y + s, z), direction)[1][1] for s in (1e-5, -1e-5)]
     assert_allclose(second, (rates[0] - rates[1]) / 2e-5, rtol=1e-5, atol=1e-9)
 
 
@@ -169,22 +211,15 @@ def test_derivatives_of_a_conic_by_curvature_conic_point_and_direction(c: float,
 
 def test_derivatives_are_finite_on_the_vertex_and_beyond_the_rim(shape: Conic | Asphere) -> None:
     for y in (0.0, 1e3):
-
-        def distance(shape: Conic | Asphere, y: jax.Array) -> jax.Array:
-            zero = jnp.zeros(())
-            found = shape.crossing((zero, y, zero), (zero, zero, jnp.ones(())), jnp.ones(()))
-            return found.distance + found.cosine + found.normal[1]
-
-        gradient = jax.grad(distance, argnums=(0, 1))(shape, jnp.asarray(y))
+        gradient = derivatives_along_the_axis(shape, np.float64(y))
         assert all(np.isfinite(leaf).all() for leaf in jax.tree.leaves(gradient))
 
 
 def test_curvature_derivative_of_a_plane_is_exact() -> None:
     # a ray parallel to the axis at height h: sag = c h^2 / 2 + ..., d sag / dc = h^2 / 2 at c = 0
-    def sag(c: jax.Array) -> jax.Array:
-        return crossing(Conic(c, jnp.array(0.0)), [0.0, 3.0, 0.0], [0.0, 0.0, 1.0]).distance  # type: ignore[arg-type]
-
-    assert float(jax.grad(sag)(0.0)) == 4.5
+    height, zero, one = np.float64(3), np.float64(0), np.float64(1)
+    _, (slopes, _), _ = distance_and_derivatives(SHAPES["plane"], (zero, height, zero), [zero, zero, one])
+    assert float(slopes.curvature) == 4.5
 
 
 def test_a_parabola_met_parallel_to_its_axis_loses_no_digits() -> None:
@@ -227,7 +262,7 @@ def test_an_asphere_that_nothing_meets_says_so() -> None:
 def test_single_precision_stays_single() -> None:
     shape = jax.tree.map(lambda a: a.astype(jnp.float32), SHAPES["odd"])
     point, direction = (tuple(jnp.asarray(a, jnp.float32) for a in part) for part in rays(6))
-    found = shape.crossing(point, direction, jnp.float32(1))
+    found = crossed(shape, point, direction, jnp.float32(1))
     assert found.distance.dtype == jnp.float32
     assert (np.asarray(found.status) == 0).all()
-    assert_allclose(found.point[2], shape.sag(found.point[0], found.point[1]), atol=1e-6)
+    assert_allclose(found.point[2], sag_and_slopes(shape, *found.point[:2])[0], atol=1e-6)
