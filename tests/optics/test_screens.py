@@ -3,12 +3,15 @@
 import functools
 import itertools
 import re
+from collections.abc import Callable
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 import mpmath
 import numpy as np
 import pytest
+from jax.typing import ArrayLike
 from numpy.testing import assert_allclose
 
 import lenstrace
@@ -30,6 +33,8 @@ SCREENS = {
     "grid": GRID,
     "point_mass": 1e-4,
 }
+# the order in which one ray meets them: the last on a mirror
+TRAIN = sorted(SCREENS, key=lambda kind: kind == "quadratic_lens")
 every_screen = pytest.mark.parametrize("kind", SCREENS)
 
 
@@ -40,37 +45,37 @@ def flat(screen: object, **row: object) -> Lens:
 
 
 def train() -> Lens:
-    """All screens one behind the other, 2 mm apart, then one on a curved mirror: one program has every kind."""
-    rows: list[dict[str, object]] = [{"thickness": 2.0, "screen": {kind: value}} for kind, value in SCREENS.items()]
-    mirror = {"mirror": True, "thickness": -100.0, "radius": -70.0, "screen": {"quadratic_lens": 90.0}}
+    """A screen of each kind one behind the other, 2 mm apart, the last on a curved mirror: all kinds in one program."""
+    mirror = {"mirror": True, "thickness": -100.0, "radius": -70.0}
+    rows = [{"thickness": 2.0, "screen": {kind: SCREENS[kind]}} for kind in TRAIN]
     return lenstrace.lens(
-        [{**rows[0], "stop": True}, *rows[1:], mirror], {"entrance_pupil_diameter": 20.0}, [0.0], [UM]
+        [{**rows[0], "stop": True}, *rows[1:-1], {**rows[-1], **mirror}], {"entrance_pupil_diameter": 20.0}, [0.0], [UM]
     )
 
 
 @functools.cache
-def through_the_train() -> object:
-    """Where a ray of the pupil ends, by the numbers of all screens, how far apart they are, and where it starts; with
-    derivatives."""
+def through_the_train() -> Callable[[tuple[Screen, ...], ArrayLike, ArrayLike, ArrayLike], Any]:
+    """Where a ray along the axis ends and how it came there, by the numbers of all screens, how far apart they are, and
+    where it starts; with derivatives by the screens and the start."""
     lens = train()
 
-    def place(screens: tuple[object, ...], gap: jax.Array, pupil: tuple[jax.Array, jax.Array]) -> jax.Array:
-        changed = lens
-        for number, screen in enumerate(screens, 1):
+    def place(
+        screens: tuple[Screen, ...], gap: jax.Array, x: jax.Array, y: jax.Array
+    ) -> tuple[jax.Array, lenstrace.Ray]:
+        changed = lens.replace(surface=len(screens), screen=screens[-1])
+        for number, screen in enumerate(screens[:-1], 1):
             changed = changed.replace(surface=number, screen=screen, thickness=gap)
-        end = lenstrace.trace(changed, pupil=pupil, path=False)
-        assert end.opl is not None
-        return end.x + 2 * end.y + 3 * end.opl
+        path = lenstrace.trace(changed, rays=lenstrace.ray((x, y, 0.0), (0.0, 0.0, 1.0)))
+        assert path.opl is not None
+        return path.x[-1] + 2 * path.y[-1] + 3 * path.opl[-1], path
 
-    return jax.jit(jax.value_and_grad(place, argnums=(0, 2)))
+    return jax.jit(jax.value_and_grad(place, argnums=(0, 2, 3), has_aux=True))
 
 
-def screens_of_the_train() -> tuple[object, ...]:
+def screens_of_the_train() -> tuple[Screen, ...]:
     """Their numbers as arrays, so that all calls are of one kind."""
-    return jax.tree.map(
-        lambda number: jnp.asarray(number, float),
-        tuple(train()[number].screen for number in range(1, len(SCREENS) + 1)),
-    )
+    lens = train()
+    return jax.tree.map(np.asarray, tuple(lens[number].screen for number in range(1, len(SCREENS) + 1)))
 
 
 def inclined(count: int = 40) -> lenstrace.Ray:
@@ -247,22 +252,24 @@ def test_the_law_in_40_digits(interaction: Interaction) -> None:
 
 
 def test_derivatives_are_those_of_differences() -> None:
-    run, gap, pupil = through_the_train(), jnp.asarray(2.0, float), (jnp.asarray(0.31, float), jnp.asarray(0.62, float))
+    run, start = through_the_train(), (np.float64(2), np.float64(3.1), np.float64(6.2))
     numbers, structure = jax.tree.flatten(screens_of_the_train())
-    _, (slopes, _) = run(structure.unflatten(numbers), gap, pupil)
+    (_, path), (slopes, *_) = run(structure.unflatten(numbers), *start)
+    assert np.asarray(path.ok).all()
     for at, slope in enumerate(jax.tree.leaves(slopes)):
-        step = 1e-6 * max(0.1, float(jnp.abs(numbers[at]).max()))
+        step = 1e-6 * max(0.1, np.abs(numbers[at]).max())
         toward = np.random.default_rng(4).standard_normal(numbers[at].shape)
         sides = [[n + s * step * toward if i == at else n for i, n in enumerate(numbers)] for s in (1, -1)]
-        ends = [run(structure.unflatten(side), gap, pupil)[0] for side in sides]
+        ends = [run(structure.unflatten(jax.tree.map(np.asarray, side)), *start)[0][0] for side in sides]
         difference = float(ends[0] - ends[1]) / (2 * step)
         assert float(np.sum(slope * toward)) == pytest.approx(difference, rel=2e-6, abs=1e-6), f"number {at}"
 
 
 def test_everything_is_finite_at_the_vertex() -> None:
     """All screens stand at one place, so that the ray of the axis meets the vertex of each, turned or not."""
-    zero = jnp.asarray(0.0, float)
-    value, slopes = through_the_train()(screens_of_the_train(), zero, (zero, zero))
+    zero = np.float64(0)
+    (value, path), slopes = through_the_train()(screens_of_the_train(), zero, zero, zero)
+    assert np.abs([path.x[:-1], path.y[:-1]]).max() == 0
     assert np.isfinite(value)
     assert all(np.isfinite(slope).all() for slope in jax.tree.leaves(slopes))
     assert np.isfinite(np.asarray(lenstrace.first_order(train()).power)).all()
@@ -370,7 +377,9 @@ def test_newtons_equation_holds_with_a_screen() -> None:
 
 
 def test_float32_stays_float32() -> None:
-    narrow, wide = (lenstrace.trace(lens, pupil=(0.0, 0.5)) for lens in (train().astype("float32"), train()))
+    start = lenstrace.ray((0.0, 5.0, 0.0), (0.0, 0.0, 1.0))
+    narrow = lenstrace.trace(train().astype("float32"), rays=start)
+    (_, wide), _ = through_the_train()(screens_of_the_train(), np.float64(2), np.float64(0), np.float64(5))
     for name in ("x", "y", "l", "m"):
         assert getattr(narrow, name).dtype == jnp.float32
         # 100 mm behind each screen that is 3e-5 mm
@@ -482,7 +491,7 @@ FAR = {
 
 
 # Light goes on behind all but the last, so that the next one is met as far out.
-TRAINS = [
+FAR_OUT = [
     (("grating", "point_mass", "quadratic_lens"), "float32"),
     (("ideal_lens",), "float32"),
     (("grid",), "float32"),
@@ -491,7 +500,7 @@ TRAINS = [
 ]
 
 
-@pytest.mark.parametrize(("kinds", "dtype"), TRAINS)
+@pytest.mark.parametrize(("kinds", "dtype"), FAR_OUT)
 def test_rays_far_out_are_finite_with_their_derivatives(kinds: tuple[str, ...], dtype: str) -> None:
     first, *others = ({"screen": {kind: FAR[kind]}} for kind in kinds)
     # none far out meets the mirror: what missed it goes on against the sense of the light

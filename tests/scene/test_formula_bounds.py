@@ -56,7 +56,7 @@ KINKED = {
     "ellipsoid": "sqrt(x^2/4 + y^2 + 9*z^2) - 1",
 }
 REACH = 2.0
-PLACES, CELLS = 100_000, 120
+PLACES, CELLS = 40_000, 120
 
 
 def of_space(text: str) -> Formula:

@@ -154,7 +154,7 @@ def test_blocked(way: Way) -> None:
 @pytest.mark.parametrize("dtype", PRECISIONS)
 @pytest.mark.parametrize("way", WAYS)
 def test_no_ray_goes_through_an_edge_or_a_corner(way: Way, dtype: Any) -> None:
-    mesh = formula_mesh("rippled sphere", 24, 12)
+    mesh = formula_mesh("rippled sphere", 20, 10)
     a, b = (mesh.vertices[mesh.faces[:, i]] for i in (0, 1))
     aims = np.concatenate([mesh.vertices, *(a + s * (b - a) for s in (0.5, 0.25, 0.3, 1e-3))])
     aims = np.concatenate([aims, aims * [1, 1, -1], aims[:, [1, 2, 0]]])
