@@ -32,6 +32,10 @@ def module_of(path: Path) -> str:
     return ".".join(parts[:-1] if parts[-1] == "__init__" and len(parts) > 2 else parts)
 
 
+MODULES = {module_of(path) for path in FILES}
+TREES = {path: ast.parse(path.read_text()) for path in FILES}
+
+
 def room_of(module: str) -> str:
     """The second part of a module's name; the package itself is its __init__."""
     parts = module.split(".")
@@ -43,10 +47,9 @@ def own_imports(tree: ast.AST) -> list[tuple[ast.stmt, str]]:
     found: list[tuple[ast.stmt, str]] = []
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] == "lenstrace":
-            modules = {module_of(path) for path in FILES}
             for alias in node.names:
                 inner = f"{node.module}.{alias.name}"
-                found.append((node, inner if inner in modules else node.module or ""))
+                found.append((node, inner if inner in MODULES else node.module or ""))
         elif isinstance(node, ast.Import):
             found += [(node, alias.name) for alias in node.names if alias.name.split(".")[0] == "lenstrace"]
     return found
@@ -63,8 +66,7 @@ def for_types_only(tree: ast.AST) -> set[ast.stmt]:
 
 
 def test_no_import_runs_upward() -> None:
-    for path in FILES:
-        tree = ast.parse(path.read_text())
+    for path, tree in TREES.items():
         here = ROOMS.index(room_of(module_of(path)))
         skipped = for_types_only(tree)
         for node, module in own_imports(tree):
@@ -74,8 +76,7 @@ def test_no_import_runs_upward() -> None:
 
 
 def test_no_own_import_is_hidden_in_a_function() -> None:
-    for path in FILES:
-        tree = ast.parse(path.read_text())
+    for path, tree in TREES.items():
         for function in ast.walk(tree):
             if isinstance(function, (ast.FunctionDef, ast.AsyncFunctionDef)):
                 hidden = [module for _, module in own_imports(function)]
@@ -84,8 +85,7 @@ def test_no_own_import_is_hidden_in_a_function() -> None:
 
 def test_no_circles() -> None:
     graph = {}
-    for path in FILES:
-        tree = ast.parse(path.read_text())
+    for path, tree in TREES.items():
         skipped = for_types_only(tree)
         graph[module_of(path)] = {module for node, module in own_imports(tree) if node not in skipped}
     finished: set[str] = set()
@@ -102,16 +102,15 @@ def test_no_circles() -> None:
 
 
 def test_every_file_says_its_idea_first() -> None:
-    for path in FILES:
-        docstring = ast.get_docstring(ast.parse(path.read_text()))
+    for path, tree in TREES.items():
+        docstring = ast.get_docstring(tree)
         assert docstring, f"{path} has no docstring"
         first = docstring.split("\n\n")[0].split("\n    ")[0].strip()
         assert first.endswith((".", ":", ",")), f"{path}: the first sentence of the docstring has no end"
 
 
 def test_public_functions_and_classes_have_docstrings() -> None:
-    for path in FILES:
-        tree = ast.parse(path.read_text())
+    for path, tree in TREES.items():
         classes = [node for node in tree.body if isinstance(node, ast.ClassDef)]
         for node in [*tree.body, *(inner for each in classes for inner in each.body)]:
             if isinstance(node, (ast.FunctionDef, ast.ClassDef)) and not node.name.startswith("_"):
